@@ -341,4 +341,4 @@ static inline int count_lines(const char *path)
 }
 
 /* A case with a server and a folder of its own. */
-#define SERVED_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define SERVED_TEST(name) TEST_WITH(name, set_up, tear_down)

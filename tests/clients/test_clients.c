@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Clients without a network: event logs, pose paths, poses of either, output files. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <fcntl.h>
 #include <math.h>
 #include <signal.h>
@@ -107,7 +103,7 @@ static void put32(unsigned char *at, uint32_t value)
     }
 }
 
-static void log_gives_back_what_was_written(void **state)
+TEST(log_gives_back_what_was_written)
 {
     unsigned char data[LOG_SIZE];
     const char *path = in_folder("good.lcmlog");
@@ -135,7 +131,7 @@ static void log_gives_back_what_was_written(void **state)
     softsim_log_close(&log);
 }
 
-static void log_format_is_lcms(void **state)
+TEST(log_format_is_lcms)
 {
     unsigned char data[LOG_SIZE];
     make_log(in_folder("good.lcmlog"), data);
@@ -145,7 +141,7 @@ static void log_format_is_lcms(void **state)
     assert_memory_equal(data, head, sizeof head);
 }
 
-static void every_truncation_is_reported(void **state)
+TEST(every_truncation_is_reported)
 {
     unsigned char data[LOG_SIZE];
     const char *path = in_folder("cut.lcmlog");
@@ -160,7 +156,7 @@ static void every_truncation_is_reported(void **state)
     }
 }
 
-static void damage_costs_one_record(void **state)
+TEST(damage_costs_one_record)
 {
     static const struct {
         const char *what;
@@ -199,7 +195,7 @@ static void damage_costs_one_record(void **state)
     }
 }
 
-static void a_length_too_short_keeps_the_others(void **state)
+TEST(a_length_too_short_keeps_the_others)
 {
     unsigned char data[LOG_SIZE];
     const char *path = in_folder("short.lcmlog");
@@ -211,7 +207,7 @@ static void a_length_too_short_keeps_the_others(void **state)
     assert_int_equal(found.skipped, SS_WIRE_POSE_SIZE - 100);
 }
 
-static void any_bytes_are_survived(void **state)
+TEST(any_bytes_are_survived)
 {
     uint64_t random = 12345;
     for (int round = 0; round < 400; ++round) {
@@ -228,7 +224,7 @@ static void any_bytes_are_survived(void **state)
     }
 }
 
-static void a_log_of_fake_headers_is_read_in_linear_time(void **state)
+TEST(a_log_of_fake_headers_is_read_in_linear_time)
 {
     /* 30,000 headers, each claiming a payload that covers the next 5,000. */
     enum { COUNT = 30000, SIZE = 29 };
@@ -246,7 +242,7 @@ static void a_log_of_fake_headers_is_read_in_linear_time(void **state)
     assert_int_equal(found.bytes, (int64_t)COUNT * SIZE);
 }
 
-static void large_payloads_are_passed_over(void **state)
+TEST(large_payloads_are_passed_over)
 {
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_log_writer *writer = NULL;
@@ -270,7 +266,7 @@ static void large_payloads_are_passed_over(void **state)
     softsim_log_close(&log);
 }
 
-static void probe_channels_have_any_prefix(void **state)
+TEST(probe_channels_have_any_prefix)
 {
     static const struct {
         const char *channel;
@@ -283,7 +279,7 @@ static void probe_channels_have_any_prefix(void **state)
     }
 }
 
-static void only_exact_messages_are_decoded(void **state)
+TEST(only_exact_messages_are_decoded)
 {
     uint8_t bytes[SS_WIRE_FORCE_SIZE + 1] = {0};
     const softsim_pose pose = make_pose(3);
@@ -309,7 +305,7 @@ static void only_exact_messages_are_decoded(void **state)
     assert_false(softsim_log_decode_pose(bytes, SS_WIRE_POSE_SIZE, &out_pose));
 }
 
-static void output_is_complete_or_absent(void **state)
+TEST(output_is_complete_or_absent)
 {
     softsim_error error = {.status = SOFTSIM_OK};
     ss_output output;
@@ -370,7 +366,7 @@ static void write_poses(softsim_log_writer *writer, int count)
 }
 
 /* What a kill would leave: the file as it is before the writer has done anything at its end. */
-static void a_recording_is_readable_while_it_grows(void **state)
+TEST(a_recording_is_readable_while_it_grows)
 {
     enum { MANY = 8000 }; /* more than fits into memory that waits */
     softsim_error error = {.status = SOFTSIM_OK};
@@ -395,7 +391,7 @@ static void a_recording_is_readable_while_it_grows(void **state)
 }
 
 /* RLIMIT_FSIZE stands for the disk. */
-static void a_full_disk_leaves_whole_records(void **state)
+TEST(a_full_disk_leaves_whole_records)
 {
     enum { MANY = 12000, ROOM = 700000 };
     softsim_error error = {.status = SOFTSIM_OK};
@@ -425,7 +421,7 @@ static void a_full_disk_leaves_whole_records(void **state)
 
 /* A press straight down by 10 mm against tissue that leaves 0.4 mm, a slide along a cylinder of
  * 50 mm, and lifting. */
-static void indentation_is_the_tools_way_into_the_tissue(void **state)
+TEST(indentation_is_the_tools_way_into_the_tissue)
 {
     ss_indentation indentation = {.is_touching = false};
     double value = 0.0;
@@ -457,7 +453,7 @@ static void indentation_is_the_tools_way_into_the_tissue(void **state)
 
 #define CSV_HEADER "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
 
-static void csv_faults_name_their_line(void **state)
+TEST(csv_faults_name_their_line)
 {
     static const struct {
         const char *rows;
@@ -498,7 +494,7 @@ static void csv_faults_name_their_line(void **state)
     }
 }
 
-static void csv_names_all_its_faults(void **state)
+TEST(csv_names_all_its_faults)
 {
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_path *path = NULL;
@@ -517,7 +513,7 @@ static void csv_names_all_its_faults(void **state)
     assert_int_equal(softsim_path_load(in_folder("none.csv"), &path, &error), SOFTSIM_ERROR_FILE);
 }
 
-static void path_is_interpolated(void **state)
+TEST(path_is_interpolated)
 {
     /* A quarter turn about z while moving along x; CRLF ends. */
     static const char text[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\r\n"
@@ -547,7 +543,7 @@ static void path_is_interpolated(void **state)
     softsim_path_free(&path);
 }
 
-static void quaternions_take_the_short_way(void **state)
+TEST(quaternions_take_the_short_way)
 {
     /* q and -q are the same orientation: between them nothing turns. */
     static const char text[] = CSV_HEADER "0,0,0,0,0,0.6,0.8,0,0,0\n1,0,0,0,0,-0.6,-0.8,0,0,0\n";
@@ -563,7 +559,7 @@ static void quaternions_take_the_short_way(void **state)
 }
 
 /* Its columns by their names, in whatever order those behind the first fourteen are. */
-static void what_a_bridge_writes_is_a_path(void **state)
+TEST(what_a_bridge_writes_is_a_path)
 {
 #define BRIDGE "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j"
     static const struct {
@@ -614,7 +610,7 @@ static void what_a_bridge_writes_is_a_path(void **state)
 
 /* ---- poses of either ---- */
 
-static void csv_is_sampled_on_the_ticks(void **state)
+TEST(csv_is_sampled_on_the_ticks)
 {
     static const char text[] = CSV_HEADER "0.0101,0,0,0,0,1,0,0,0,0\n0.2,0,1,0,0,1,0,0,0,0\n"
                                           "0.1,5,0,0,0,1,0,0,0,0\n0.2,5,0,0,0,1,0,0,0,0\n";
@@ -644,7 +640,7 @@ static void csv_is_sampled_on_the_ticks(void **state)
     softsim_poses_close(&poses);
 }
 
-static void log_poses_keep_their_times(void **state)
+TEST(log_poses_keep_their_times)
 {
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_log_writer *writer = NULL;
@@ -688,7 +684,7 @@ static void log_poses_keep_their_times(void **state)
     softsim_poses_close(&poses);
 }
 
-static void restamped_poses_are_a_new_senders(void **state)
+TEST(restamped_poses_are_a_new_senders)
 {
     softsim_pose pose = make_pose(17);
     pose.velocity[1] = 0.25;
@@ -701,7 +697,7 @@ static void restamped_poses_are_a_new_senders(void **state)
 /* What stands behind a name of the shell's own is written, and the name stays: renaming over it
  * would put a file in its place. A pipe of another name, which would wait for its reader, is
  * refused and stays too. */
-static void a_pipe_of_the_shell_is_written_another_refused(void **state)
+TEST(a_pipe_of_the_shell_is_written_another_refused)
 {
     char path[160], own[32], read_back[16] = "";
     int end[2];
@@ -731,30 +727,5 @@ static void a_pipe_of_the_shell_is_written_another_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(log_gives_back_what_was_written),
-        cmocka_unit_test(log_format_is_lcms),
-        cmocka_unit_test(every_truncation_is_reported),
-        cmocka_unit_test(damage_costs_one_record),
-        cmocka_unit_test(a_length_too_short_keeps_the_others),
-        cmocka_unit_test(any_bytes_are_survived),
-        cmocka_unit_test(a_log_of_fake_headers_is_read_in_linear_time),
-        cmocka_unit_test(large_payloads_are_passed_over),
-        cmocka_unit_test(probe_channels_have_any_prefix),
-        cmocka_unit_test(only_exact_messages_are_decoded),
-        cmocka_unit_test(output_is_complete_or_absent),
-        cmocka_unit_test(a_recording_is_readable_while_it_grows),
-        cmocka_unit_test(a_full_disk_leaves_whole_records),
-        cmocka_unit_test(indentation_is_the_tools_way_into_the_tissue),
-        cmocka_unit_test(what_a_bridge_writes_is_a_path),
-        cmocka_unit_test(csv_faults_name_their_line),
-        cmocka_unit_test(csv_names_all_its_faults),
-        cmocka_unit_test(path_is_interpolated),
-        cmocka_unit_test(quaternions_take_the_short_way),
-        cmocka_unit_test(csv_is_sampled_on_the_ticks),
-        cmocka_unit_test(log_poses_keep_their_times),
-        cmocka_unit_test(restamped_poses_are_a_new_senders),
-        cmocka_unit_test(a_pipe_of_the_shell_is_written_another_refused),
-    };
-    return cmocka_run_group_tests_name("clients", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -1,19 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* softsim-bridge against a stand-in for the server: the loop, buses, silence, ends. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <sys/wait.h>
 
 #include "stand_in_fixture.h"
 
 /* One that has an end of its own, with a server and without. */
-static void a_stopped_bridge_keeps_its_file(void **state)
+SERVED_TEST(a_stopped_bridge_keeps_its_file)
 {
     const char *csv = in_folder("s.csv"), *part = in_folder("s.csv.part");
     const char *const served[] = {"softsim-bridge", "--device", "sim", "--duration",
@@ -37,7 +32,7 @@ static void a_stopped_bridge_keeps_its_file(void **state)
     stop_server();
 }
 
-static void a_killed_bridge_leaves_what_it_recorded(void **state)
+SERVED_TEST(a_killed_bridge_leaves_what_it_recorded)
 {
     const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
@@ -77,7 +72,7 @@ static void a_killed_bridge_leaves_what_it_recorded(void **state)
 
 /* SIGHUP, as of a terminal that is closed, is an end like SIGTERM, and one that has no other is
  * complete: its file, a summary. */
-static void a_hangup_ends_in_order(void **state)
+SERVED_TEST(a_hangup_ends_in_order)
 {
     const char *csv = in_folder("h.csv");
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
@@ -94,7 +89,7 @@ static void a_hangup_ends_in_order(void **state)
 }
 
 /* With a closed stderr the CSV would be number 2 and take what is said there. */
-static void closed_descriptors_write_into_no_file(void **state)
+SERVED_TEST(closed_descriptors_write_into_no_file)
 {
     const char *csv = in_folder("c.csv");
     char command[512];
@@ -170,14 +165,14 @@ static bool close_the_loop(void)
 
 /* Forces that come late are let go of, by the contract: on a machine that holds one of the two back
  * the press may be felt only when it is done again. */
-static void bridge_closes_the_loop(void **state)
+SERVED_TEST(bridge_closes_the_loop)
 {
     for (int presses = 1; !close_the_loop(); ++presses) {
         assert_true(presses < 20);
     }
 }
 
-static void bridge_models_a_bad_bus(void **state)
+SERVED_TEST(bridge_models_a_bad_bus)
 {
     const char *const argv[] = {"softsim-bridge",
                                 "--device",
@@ -216,14 +211,14 @@ static void bridge_models_a_bad_bus(void **state)
     assert_int_equal(stand_in.kept[100].flags, 0);
 }
 
-static void bridge_without_a_server_fails_and_says_so(void **state)
+SERVED_TEST(bridge_without_a_server_fails_and_says_so)
 {
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "50", NULL};
     assert_int_equal(process_run(&child, argv), 1);
     assert_non_null(strstr(child.err, "no force came"));
 }
 
-static void bridge_tells_that_forces_stop(void **state)
+SERVED_TEST(bridge_tells_that_forces_stop)
 {
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "2400", NULL};
     stand_in.mute_from = 300;
@@ -262,7 +257,7 @@ static void bridge_tells_that_forces_stop(void **state)
     } while (at_s < 0.4);
 }
 
-static void bridge_tells_whose_the_probe_is(void **state)
+SERVED_TEST(bridge_tells_whose_the_probe_is)
 {
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "800", NULL};
     stand_in.other_until = 400;
@@ -292,7 +287,7 @@ static void bridge_tells_whose_the_probe_is(void **state)
     assert_non_null(strstr(child.err, "no force came: another sender held the probe for"));
 }
 
-static void bridge_tells_that_it_began_inside(void **state)
+SERVED_TEST(bridge_tells_that_it_began_inside)
 {
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "300", NULL};
     stand_in.is_entering = true;
@@ -310,17 +305,5 @@ static void bridge_tells_that_it_began_inside(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        SERVED_TEST(a_stopped_bridge_keeps_its_file),
-        SERVED_TEST(a_killed_bridge_leaves_what_it_recorded),
-        SERVED_TEST(a_hangup_ends_in_order),
-        SERVED_TEST(closed_descriptors_write_into_no_file),
-        SERVED_TEST(bridge_closes_the_loop),
-        SERVED_TEST(bridge_models_a_bad_bus),
-        SERVED_TEST(bridge_without_a_server_fails_and_says_so),
-        SERVED_TEST(bridge_tells_that_forces_stop),
-        SERVED_TEST(bridge_tells_whose_the_probe_is),
-        SERVED_TEST(bridge_tells_that_it_began_inside),
-    };
-    return PROCESS_RUN_GROUP("clients_bridge", tests, NULL, NULL);
+    return process_run_tests(NULL, NULL);
 }

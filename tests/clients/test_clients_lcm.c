@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* softsim-monitor against a stand-in for the server; the arguments of all clients. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <sys/wait.h>
 
@@ -15,7 +10,7 @@
 static process patient, asking; /* wait all the while for a server that never comes */
 
 /* What is felt at a probe is shown to who only watches. */
-static void monitor_shows_force_and_indentation(void **state)
+SERVED_TEST(monitor_shows_force_and_indentation)
 {
     const char *const bridge[] = {"softsim-bridge", "--device", "sim", NULL};
     const char *const monitor[] = {"softsim-monitor", NULL};
@@ -36,7 +31,7 @@ static void monitor_shows_force_and_indentation(void **state)
     assert_non_null(strstr(child.out, "2.5 s good: probe 0 "));
 }
 
-static void monitor_believes_only_whole_messages(void **state)
+SERVED_TEST(monitor_believes_only_whole_messages)
 {
     const char *const argv[] = {"softsim-monitor", "--once", "--json", NULL};
     stand_in.sends_status = true;
@@ -49,7 +44,7 @@ static void monitor_believes_only_whole_messages(void **state)
     assert_non_null(strstr(child.out, "\"uptime_s\": 2.5"));
 }
 
-static void monitor_tells_that_nobody_is_there(void **state)
+SERVED_TEST(monitor_tells_that_nobody_is_there)
 {
     const char *const argv[] = {"softsim-monitor", "--duration", "0.3", NULL};
     assert_int_equal(process_run(&child, argv), 1);
@@ -84,7 +79,7 @@ static int stop_patient(void **state)
     return 0;
 }
 
-static void a_machine_without_a_route_is_told(void **state)
+SERVED_TEST(a_machine_without_a_route_is_told)
 {
     static const char *const programs[] = {"softsim-bridge --device sim --ticks 5",
                                            "softsim-monitor --once", "softsim-replay"};
@@ -104,7 +99,7 @@ static void a_machine_without_a_route_is_told(void **state)
     }
 }
 
-static void bad_arguments_are_all_named(void **state)
+SERVED_TEST(bad_arguments_are_all_named)
 {
     const char *log = in_folder("a.lcmlog");
     const char *bad = in_folder("bad.lcmlog");
@@ -172,12 +167,5 @@ static void bad_arguments_are_all_named(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        SERVED_TEST(monitor_shows_force_and_indentation),
-        SERVED_TEST(monitor_believes_only_whole_messages),
-        SERVED_TEST(a_machine_without_a_route_is_told),
-        SERVED_TEST(bad_arguments_are_all_named),
-        SERVED_TEST(monitor_tells_that_nobody_is_there),
-    };
-    return PROCESS_RUN_GROUP("clients_lcm", tests, start_patient, stop_patient);
+    return process_run_tests(start_patient, stop_patient);
 }

@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* softsim-replay against a stand-in for the server: answers, silence, ends, damage. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "stand_in_fixture.h"
 
-static void lockstep_answers_every_pose_once(void **state)
+SERVED_TEST(lockstep_answers_every_pose_once)
 {
     const char *log = in_folder("a.lcmlog");
     const char *csv = in_folder("a.csv");
@@ -67,7 +62,7 @@ static void lockstep_answers_every_pose_once(void **state)
 /* A machine that holds one of the two back for long loses messages on their way: so many as it
  * says, and no more. Only where the last pose is answered is none still on its way: else it is
  * played again. */
-static void paced_replay_keeps_the_answers(void **state)
+SERVED_TEST(paced_replay_keeps_the_answers)
 {
     const char *log = in_folder("a.lcmlog");
     const char *csv = in_folder("a.csv");
@@ -106,7 +101,7 @@ static void paced_replay_keeps_the_answers(void **state)
     assert_non_null(strstr(child.out, summary[1]));
 }
 
-static void pose_csv_is_replayed(void **state)
+SERVED_TEST(pose_csv_is_replayed)
 {
     const char *path = in_folder("p.csv");
     const char *const argv[] = {"softsim-replay", path, "--lockstep", "--rate", "500", NULL};
@@ -126,7 +121,7 @@ static void pose_csv_is_replayed(void **state)
     assert_true(fabs(stand_in.kept[25].position[2] + 0.005) < 1e-15);
 }
 
-static void silence_is_a_failure(void **state)
+SERVED_TEST(silence_is_a_failure)
 {
     const char *log = in_folder("a.lcmlog");
     const char *const argv[] = {"softsim-replay", log, "--lockstep", NULL};
@@ -141,7 +136,7 @@ static void silence_is_a_failure(void **state)
 }
 
 /* A file has its name once it is complete; what there is until then stays, and is named. */
-static void stopped_replay_keeps_its_files(void **state)
+SERVED_TEST(stopped_replay_keeps_its_files)
 {
     const char *log = in_folder("a.lcmlog");
     const char *csv = in_folder("a.csv"), *csv_part = in_folder("a.csv.part");
@@ -175,7 +170,7 @@ static void stopped_replay_keeps_its_files(void **state)
     assert_int_equal(access(record, F_OK), -1);
 }
 
-static void a_killed_replay_leaves_what_it_recorded(void **state)
+SERVED_TEST(a_killed_replay_leaves_what_it_recorded)
 {
     const char *log = in_folder("a.lcmlog");
     const char *csv = in_folder("k.csv"), *csv_part = in_folder("k.csv.part");
@@ -212,7 +207,7 @@ static void a_killed_replay_leaves_what_it_recorded(void **state)
     assert_non_null(strstr(child.err, "k.lcmlog.part', which is the file played"));
 }
 
-static void damaged_logs_are_played_and_named(void **state)
+SERVED_TEST(damaged_logs_are_played_and_named)
 {
     const char *log = in_folder("a.lcmlog");
     const char *const argv[] = {"softsim-replay", log, "--lockstep", NULL};
@@ -238,7 +233,7 @@ static void damaged_logs_are_played_and_named(void **state)
     assert_int_equal(stand_in.fresh, 18);
 }
 
-static void conversion_is_reproducible(void **state)
+SERVED_TEST(conversion_is_reproducible)
 {
     const char *path = in_folder("p.csv");
     const char *first = in_folder("1.lcmlog");
@@ -271,7 +266,7 @@ static void conversion_is_reproducible(void **state)
 }
 
 /* Paced: it may be over before five seconds of silence are. */
-static void a_run_without_any_answer_is_a_failure(void **state)
+SERVED_TEST(a_run_without_any_answer_is_a_failure)
 {
     const char *log = in_folder("a.lcmlog");
     const char *const argv[] = {"softsim-replay", log, "--speed", "5", NULL};
@@ -293,16 +288,5 @@ static void a_run_without_any_answer_is_a_failure(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        SERVED_TEST(lockstep_answers_every_pose_once),
-        SERVED_TEST(paced_replay_keeps_the_answers),
-        SERVED_TEST(pose_csv_is_replayed),
-        SERVED_TEST(silence_is_a_failure),
-        SERVED_TEST(stopped_replay_keeps_its_files),
-        SERVED_TEST(a_killed_replay_leaves_what_it_recorded),
-        SERVED_TEST(damaged_logs_are_played_and_named),
-        SERVED_TEST(conversion_is_reproducible),
-        SERVED_TEST(a_run_without_any_answer_is_a_failure),
-    };
-    return PROCESS_RUN_GROUP("clients_replay", tests, NULL, NULL);
+    return process_run_tests(NULL, NULL);
 }

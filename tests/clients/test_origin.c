@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "origin.h"
 
@@ -17,7 +12,7 @@ static int64_t at_ms(int64_t ms)
     return start_ns + ms * MS;
 }
 
-static void of_two_servers_the_first_is_taken_and_both_are_told(void **state)
+TEST(of_two_servers_the_first_is_taken_and_both_are_told)
 {
     ss_origin origin = {.silent_ns = 100 * MS};
     int told_after = -1;
@@ -40,7 +35,7 @@ static void of_two_servers_the_first_is_taken_and_both_are_told(void **state)
 }
 
 /* Messages of an overloaded machine come in bursts, of each server in turn. */
-static void two_servers_in_bursts_are_told(void **state)
+TEST(two_servers_in_bursts_are_told)
 {
     static const int bursts_ms[] = {1, 5, 30, 99, 150, 400};
     for (size_t c = 0; c < sizeof bursts_ms / sizeof *bursts_ms; ++c) {
@@ -53,7 +48,7 @@ static void two_servers_in_bursts_are_told(void **state)
 }
 
 /* Even one that is killed and started again time after time. */
-static void a_restart_is_one_server_and_taken_up_at_once(void **state)
+TEST(a_restart_is_one_server_and_taken_up_at_once)
 {
     ss_origin origin = {.silent_ns = 100 * MS};
     for (int k = 0; k < 6; ++k) {
@@ -64,7 +59,7 @@ static void a_restart_is_one_server_and_taken_up_at_once(void **state)
     }
 }
 
-static void one_stray_message_is_no_second_server(void **state)
+TEST(one_stray_message_is_no_second_server)
 {
     ss_origin origin = {.silent_ns = 100 * MS};
     for (int k = 0; k < 30000; ++k) {
@@ -76,7 +71,7 @@ static void one_stray_message_is_no_second_server(void **state)
     }
 }
 
-static void statuses_four_times_a_second_tell_two_servers(void **state)
+TEST(statuses_four_times_a_second_tell_two_servers)
 {
     ss_origin origin = {.silent_ns = 1000 * MS};
     for (int k = 0; k < 8; ++k) {
@@ -88,12 +83,5 @@ static void statuses_four_times_a_second_tell_two_servers(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(of_two_servers_the_first_is_taken_and_both_are_told),
-        cmocka_unit_test(two_servers_in_bursts_are_told),
-        cmocka_unit_test(a_restart_is_one_server_and_taken_up_at_once),
-        cmocka_unit_test(one_stray_message_is_no_second_server),
-        cmocka_unit_test(statuses_four_times_a_second_tell_two_servers),
-    };
-    return cmocka_run_group_tests_name("origin", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

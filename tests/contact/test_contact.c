@@ -2,6 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* A tool that touches the contact surface. Rows: test_contact_surface.c; shapes:
  * test_contact_shape.c. */
+#include "common/test.h"
 #include "contact_fixture.h"
 #include "rt/each.h"
 
@@ -86,7 +87,7 @@ static void check_gradient(const ss_tool_pose *pose, double step, double relativ
 
 /* The potential's second derivative jumps where a sample touches: a difference over `step` is off
  * by about its area over the contact's, times step over depth. */
-static void penalty_forces_are_minus_the_gradient(void **state)
+TEST(penalty_forces_are_minus_the_gradient)
 {
     make_sphere(3, 0.04);
     test_mu = NULL;
@@ -102,7 +103,7 @@ static void penalty_forces_are_minus_the_gradient(void **state)
     }
 }
 
-static void weight_forces_are_minus_the_gradient(void **state)
+TEST(weight_forces_are_minus_the_gradient)
 {
     static double mu[MAX_NODES];
     make_sphere(3, 0.04);
@@ -137,7 +138,7 @@ static void weight_forces_are_minus_the_gradient(void **state)
     }
 }
 
-static void forces_of_tissue_and_tool_cancel(void **state)
+TEST(forces_of_tissue_and_tool_cancel)
 {
     make_sphere(3, 0.04);
     seed_state = 13;
@@ -161,7 +162,7 @@ static void forces_of_tissue_and_tool_cancel(void **state)
 /* ---- weights ---- */
 
 /* W = sqrt(3)/2 h^2 phi(d): one linear sample in each triangle of a hexagon, rim fixed. */
-static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
+TEST(hexagon_fan_has_the_weight_of_the_closed_form)
 {
     static const double height[2] = {0.25, 0.17};
     static const double expected[2] = {0.0245357960952869, 0.0615903130631309};
@@ -199,7 +200,7 @@ static void hexagon_fan_has_the_weight_of_the_closed_form(void **state)
 
 /* ---- what the broad phase may not change ---- */
 
-static void broad_phase_radius_does_not_change_a_bit(void **state)
+TEST(broad_phase_radius_does_not_change_a_bit)
 {
     static ss_real kept[4 * MAX_NODES];
     static int32_t kept_node[MAX_NODES];
@@ -244,7 +245,7 @@ static void broad_phase_radius_does_not_change_a_bit(void **state)
 
 /* A sliding tool on moving tissue keeps its broad phase and the tree's boxes for some steps: the
  * same bits as when both are made again. */
-static void kept_broad_phases_do_not_change_a_bit(void **state)
+TEST(kept_broad_phases_do_not_change_a_bit)
 {
     static ss_real kept[4 * MAX_NODES];
     make_sphere(3, 0.04);
@@ -300,7 +301,7 @@ static void kept_broad_phases_do_not_change_a_bit(void **state)
 }
 
 /* Nodes that move after the broad phase, up to delta, must not be culled. */
-static void motion_after_the_broad_phase_is_seen(void **state)
+TEST(motion_after_the_broad_phase_is_seen)
 {
     make_plane(40, 40, 0.002);
     open_query(&sphere_5mm, 1, 0.006, 5e7);
@@ -319,7 +320,7 @@ static void motion_after_the_broad_phase_is_seen(void **state)
 }
 
 /* Beside a long path is not on it, even within half its length of its middle. */
-static void a_broad_phase_is_not_kept_off_its_path(void **state)
+TEST(a_broad_phase_is_not_kept_off_its_path)
 {
     make_plane(40, 40, 0.002);
     open_query(&sphere_5mm, 1, 0.006, 5e7);
@@ -334,7 +335,7 @@ static void a_broad_phase_is_not_kept_off_its_path(void **state)
     close_query();
 }
 
-static void shifting_body_and_tool_together_changes_nothing(void **state)
+TEST(shifting_body_and_tool_together_changes_nothing)
 {
     double first[3] = {0.0, 0.0, 0.0};
     for (int pass = 0; pass < 2; ++pass) {
@@ -360,7 +361,7 @@ static void shifting_body_and_tool_together_changes_nothing(void **state)
     }
 }
 
-static void a_fast_tool_finds_what_it_crosses(void **state)
+TEST(a_fast_tool_finds_what_it_crosses)
 {
     make_plane(20, 20, 0.005);
     open_query(&sphere_5mm, 2, 0.005, 5e7);
@@ -382,7 +383,7 @@ static void a_fast_tool_finds_what_it_crosses(void **state)
 
 /* A sphere of R = h slides over a rigid plane of triangles, 0.24 R deep: 210 samples touch. The
  * mean is the closed form kc int (R - |x|) dA over the cap, times the height over |x|. */
-static void force_on_a_plane_does_not_ripple(void **state)
+TEST(force_on_a_plane_does_not_ripple)
 {
     enum { STEPS = 400 };
     const double r = 0.005;
@@ -418,7 +419,7 @@ static void force_on_a_plane_does_not_ripple(void **state)
 
 /* A sphere in a flat sheet, its middle z above it: ring by ring, with s the distance from the
  * middle, 2 pi kc z int_z^R c(R - s) ds, and c ten times as steep beyond 0.3 R. */
-static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **state)
+TEST(a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through)
 {
     const double radius = 0.005, kc = 1e7;
     double before = 0.0;
@@ -439,7 +440,7 @@ static void a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through(void **s
 }
 
 /* A box's face over the whole plane has one normal, so that the tangent is exact. */
-static void tangent_and_diagonal_match_differences(void **state)
+TEST(tangent_and_diagonal_match_differences)
 {
     const ss_shape box = {.kind = SS_SHAPE_BOX, .half_extent = {0.2, 0.2, 0.004}};
     make_plane(14, 14, 0.005);
@@ -495,7 +496,7 @@ static void tangent_and_diagonal_match_differences(void **state)
 
 /* ---- contacts ---- */
 
-static void a_sphere_has_one_contact_through_its_centre(void **state)
+TEST(a_sphere_has_one_contact_through_its_centre)
 {
     make_plane(16, 16, 0.005);
     open_query(&sphere_5mm, 2, 0.005, 5e7);
@@ -515,7 +516,7 @@ static void a_sphere_has_one_contact_through_its_centre(void **state)
     close_query();
 }
 
-static void a_long_tool_spreads_its_contacts(void **state)
+TEST(a_long_tool_spreads_its_contacts)
 {
     const ss_shape rod = {.kind = SS_SHAPE_CAPSULE, .radius = 0.005, .half_length = 0.012};
     make_plane(20, 20, 0.005);
@@ -551,7 +552,7 @@ static void a_long_tool_spreads_its_contacts(void **state)
     close_query();
 }
 
-static void the_nearest_patch_is_told_before_touching(void **state)
+TEST(the_nearest_patch_is_told_before_touching)
 {
     ss_contact_set set;
     make_sphere(4, 0.04);
@@ -601,7 +602,7 @@ static void the_nearest_patch_is_told_before_touching(void **state)
     }
 }
 
-static void curvature_of_a_ball_is_minus_one_over_its_radius(void **state)
+TEST(curvature_of_a_ball_is_minus_one_over_its_radius)
 {
     ss_contact_set set;
     make_sphere(3, 0.04);
@@ -623,7 +624,7 @@ static void curvature_of_a_ball_is_minus_one_over_its_radius(void **state)
 
 /* ---- hostile input ---- */
 
-static void non_finite_input_touches_nothing(void **state)
+TEST(non_finite_input_touches_nothing)
 {
     ss_contact_set set;
     make_sphere(3, 0.04);
@@ -665,25 +666,5 @@ static void non_finite_input_touches_nothing(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(penalty_forces_are_minus_the_gradient),
-        cmocka_unit_test(weight_forces_are_minus_the_gradient),
-        cmocka_unit_test(forces_of_tissue_and_tool_cancel),
-        cmocka_unit_test(hexagon_fan_has_the_weight_of_the_closed_form),
-        cmocka_unit_test(broad_phase_radius_does_not_change_a_bit),
-        cmocka_unit_test(kept_broad_phases_do_not_change_a_bit),
-        cmocka_unit_test(motion_after_the_broad_phase_is_seen),
-        cmocka_unit_test(a_broad_phase_is_not_kept_off_its_path),
-        cmocka_unit_test(shifting_body_and_tool_together_changes_nothing),
-        cmocka_unit_test(a_fast_tool_finds_what_it_crosses),
-        cmocka_unit_test(force_on_a_plane_does_not_ripple),
-        cmocka_unit_test(a_flat_sheet_pushes_harder_until_a_sphere_is_nearly_through),
-        cmocka_unit_test(tangent_and_diagonal_match_differences),
-        cmocka_unit_test(a_sphere_has_one_contact_through_its_centre),
-        cmocka_unit_test(a_long_tool_spreads_its_contacts),
-        cmocka_unit_test(the_nearest_patch_is_told_before_touching),
-        cmocka_unit_test(curvature_of_a_ball_is_minus_one_over_its_radius),
-        cmocka_unit_test(non_finite_input_touches_nothing),
-    };
-    return cmocka_run_group_tests_name("contact", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Signed distances of the tools' shapes, convex meshes, overlaps through libccd. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -75,7 +71,7 @@ static const ss_shape box = {.kind = SS_SHAPE_BOX, .half_extent = {1.0, 2.0, 3.0
 static const ss_shape cylinder = {.kind = SS_SHAPE_CYLINDER, .radius = 1.0, .half_length = 2.0};
 static const ss_shape cone = {.kind = SS_SHAPE_CONE, .radius = 3.0, .half_length = 2.0};
 
-static void distances_match_the_closed_forms(void **state)
+TEST(distances_match_the_closed_forms)
 {
     const struct {
         const ss_shape *shape;
@@ -150,7 +146,7 @@ static bool is_inside(const ss_shape *shape, const double x[3])
 
 /* Sign by membership; the surface is met exactly after |d| along the gradient, never before in any
  * other direction; the gradient is a unit one and matches differences. */
-static void distances_survive_random_points(void **state)
+TEST(distances_survive_random_points)
 {
     const ss_shape *solids[] = {&sphere, &capsule, &box, &cylinder, &cone};
     seed_state = 21;
@@ -186,7 +182,7 @@ static void distances_survive_random_points(void **state)
     }
 }
 
-static void distances_are_never_not_a_number(void **state)
+TEST(distances_are_never_not_a_number)
 {
     const ss_shape *solids[] = {&sphere, &capsule, &box, &cylinder, &cone};
     static const double odd[] = {0.0,    -0.0, 1.0,   -1.0,     2.0, 3.0,
@@ -207,7 +203,7 @@ static void distances_are_never_not_a_number(void **state)
 
 /* ---- convex meshes ---- */
 
-static void a_box_mesh_is_a_box(void **state)
+TEST(a_box_mesh_is_a_box)
 {
     ss_shape hull;
     make_box(1.0, 2.0, 3.0);
@@ -230,7 +226,7 @@ static void a_box_mesh_is_a_box(void **state)
     assert_int_equal(ss_memory_in_use(), before);
 }
 
-static void a_prism_with_many_sides_is_nearly_a_cylinder(void **state)
+TEST(a_prism_with_many_sides_is_nearly_a_cylinder)
 {
     ss_shape hull;
     make_prism(128, 1.0, 2.0);
@@ -265,7 +261,7 @@ static void expect_refusal(const char *text)
     ss_shape_fini(&hull);
 }
 
-static void refuses_meshes_that_are_not_convex(void **state)
+TEST(refuses_meshes_that_are_not_convex)
 {
     make_box(1.0, 1.0, 1.0);
     ss_set3(positions[7], 0.2, 0.2, 0.2); /* a dented corner */
@@ -300,7 +296,7 @@ static void refuses_meshes_that_are_not_convex(void **state)
 
 /* ---- poses ---- */
 
-static void blending_stays_within_the_motion_bound(void **state)
+TEST(blending_stays_within_the_motion_bound)
 {
     seed_state = 24;
     for (int i = 0; i < 2000; ++i) {
@@ -335,7 +331,7 @@ static void blending_stays_within_the_motion_bound(void **state)
 
 /* Spheres against every shape: the overlap is known from the distance of the centre. Millimetres.
  */
-static void overlaps_agree_with_distances(void **state)
+TEST(overlaps_agree_with_distances)
 {
     const ss_shape ball = {.kind = SS_SHAPE_SPHERE, .radius = 0.002};
     ss_shape solids[] = {
@@ -387,7 +383,7 @@ static void overlaps_agree_with_distances(void **state)
     ss_shape_fini(&solids[5]);
 }
 
-static void coinciding_and_distant_shapes_are_safe(void **state)
+TEST(coinciding_and_distant_shapes_are_safe)
 {
     const ss_tool_pose here = {{0.1, 0.2, 0.3}, {1.0, 0.0, 0.0, 0.0}};
     ss_tool_pose there = here;
@@ -412,16 +408,5 @@ static void coinciding_and_distant_shapes_are_safe(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(distances_match_the_closed_forms),
-        cmocka_unit_test(distances_survive_random_points),
-        cmocka_unit_test(distances_are_never_not_a_number),
-        cmocka_unit_test(a_box_mesh_is_a_box),
-        cmocka_unit_test(a_prism_with_many_sides_is_nearly_a_cylinder),
-        cmocka_unit_test(refuses_meshes_that_are_not_convex),
-        cmocka_unit_test(blending_stays_within_the_motion_bound),
-        cmocka_unit_test(overlaps_agree_with_distances),
-        cmocka_unit_test(coinciding_and_distant_shapes_are_safe),
-    };
-    return cmocka_run_group_tests_name("contact_shape", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The contact surface: subdivision rows, sample areas, what is refused. */
+#include "common/test.h"
 #include "contact_fixture.h"
 
 /* ---- subdivision rows ---- */
@@ -21,7 +22,7 @@ static void check_rows(void)
     }
 }
 
-static void loop_rows_are_convex_combinations(void **state)
+TEST(loop_rows_are_convex_combinations)
 {
     make_sphere(3, 0.05);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
@@ -38,7 +39,7 @@ static void loop_rows_are_convex_combinations(void **state)
 }
 
 /* Bow tie: two triangles that share a node only; and single triangles. */
-static void loose_corners_keep_their_place(void **state)
+TEST(loose_corners_keep_their_place)
 {
     begin_mesh();
     add_node(0.0, 0.0, 0.0);
@@ -68,7 +69,7 @@ static void loose_corners_keep_their_place(void **state)
 }
 
 /* Loop subdivision keeps linear fields where the mesh is regular: points stay on their triangle. */
-static void regular_rows_reproduce_linear_fields(void **state)
+TEST(regular_rows_reproduce_linear_fields)
 {
     make_plane(9, 9, 0.01);
     for (int32_t i = 0; i < mesh.node_count; ++i) { /* a sheared, tilted plane */
@@ -101,7 +102,7 @@ static void regular_rows_reproduce_linear_fields(void **state)
 }
 
 /* Neighbours compute a shared side from different rings: the surface must not crack. */
-static void neighbouring_triangles_share_their_side(void **state)
+TEST(neighbouring_triangles_share_their_side)
 {
     make_sphere(2, 0.05);
     open_query(&sphere_5mm, 1, 0.005, 1.0);
@@ -137,7 +138,7 @@ static void neighbouring_triangles_share_their_side(void **state)
     close_query();
 }
 
-static void equal_topology_shares_one_matrix(void **state)
+TEST(equal_topology_shares_one_matrix)
 {
     make_sphere(3, 0.05);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
@@ -146,7 +147,7 @@ static void equal_topology_shares_one_matrix(void **state)
     close_query();
 }
 
-static void sample_areas_sum_to_the_surface(void **state)
+TEST(sample_areas_sum_to_the_surface)
 {
     make_sphere(2, 0.05);
     open_query(&sphere_5mm, 3, 0.005, 1.0);
@@ -180,7 +181,7 @@ static void expect_refusal(double radius, int parts, softsim_status status, cons
     }
 }
 
-static void refuses_what_it_cannot_sample(void **state)
+TEST(refuses_what_it_cannot_sample)
 {
     make_plane(5, 5, 0.01);
     expect_refusal(0.0025, 0, SOFTSIM_ERROR_SCENE, "2.5 mm");
@@ -208,7 +209,7 @@ static void refuses_what_it_cannot_sample(void **state)
     expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "triangles");
 }
 
-static void picks_parts_by_radius_over_edge(void **state)
+TEST(picks_parts_by_radius_over_edge)
 {
     static const double ratio[4] = {0.4, 0.6, 2.0, 3.1};
     static const int64_t samples[4] = {144, 64, 64, 16};
@@ -225,7 +226,7 @@ static void picks_parts_by_radius_over_edge(void **state)
 /* ---- where a tool that appears stands ---- */
 
 /* On a sphere of radius 20 mm, seen from random places inside and outside, and over its corners. */
-static void a_tool_that_appears_is_found_inside_or_outside(void **state)
+TEST(a_tool_that_appears_is_found_inside_or_outside)
 {
     make_sphere(3, 0.02);
     mesh.is_closed = true;
@@ -251,7 +252,7 @@ static void a_tool_that_appears_is_found_inside_or_outside(void **state)
     ss_memory_free(at_rest);
 }
 
-static void behind_an_open_sheet_is_nowhere_near(void **state)
+TEST(behind_an_open_sheet_is_nowhere_near)
 {
     make_plane(11, 11, 0.004);
     mesh.is_closed = false;
@@ -280,7 +281,7 @@ static void turn_inside_out(void)
 
 /* In the middle of a body and of a hollow, of 8 facets and of 512: many are as near as the nearest,
  * and their normals sum up to nothing. */
-static void the_middle_of_a_cavity_is_outside(void **state)
+TEST(the_middle_of_a_cavity_is_outside)
 {
     static const double wall[2] = {0.0115470054, 0.02}; /* m, from the middle */
     for (int k = 0; k < 4; ++k) {
@@ -324,7 +325,7 @@ static void check_way_out(double from, const double inward[3], const double expe
     assert_true(ss_dot3(way, expected) > 0.99 * ss_norm3(way)); /* facets are tilted */
 }
 
-static void a_tool_leaves_the_way_it_came_or_the_nearest(void **state)
+TEST(a_tool_leaves_the_way_it_came_or_the_nearest)
 {
     static const double unknown[3] = {0.0, 0.0, 0.0}, x[3] = {1.0, 0.0, 0.0},
                         minus_x[3] = {-1.0, 0.0, 0.0}, z[3] = {0.0, 0.0, 1.0},
@@ -342,7 +343,7 @@ static void a_tool_leaves_the_way_it_came_or_the_nearest(void **state)
 }
 
 /* Pressed down to a ball of 15 mm it may come back. */
-static void dented_tissue_is_where_it_rests_too(void **state)
+TEST(dented_tissue_is_where_it_rests_too)
 {
     static const double unknown[3] = {0.0, 0.0, 0.0};
     make_sphere(3, 0.02);
@@ -364,7 +365,7 @@ static void dented_tissue_is_where_it_rests_too(void **state)
 }
 
 /* A ball of 25 mm in a hollow of 20 mm. */
-static void a_tool_may_have_no_way_out(void **state)
+TEST(a_tool_may_have_no_way_out)
 {
     static const double unknown[3] = {0.0, 0.0, 0.0};
     static const ss_shape large = {.kind = SS_SHAPE_SPHERE, .radius = 0.025};
@@ -392,7 +393,7 @@ static double engulfed_at(const ss_tool_pose *pose)
 
 /* In a sphere, moved and stretched since its boxes were first fitted; over its corners and edges
  * too, on which rays along an axis would run. */
-static void a_tool_is_engulfed_when_its_middle_is_inside(void **state)
+TEST(a_tool_is_engulfed_when_its_middle_is_inside)
 {
     make_sphere(3, 0.02);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
@@ -424,7 +425,7 @@ static void a_tool_is_engulfed_when_its_middle_is_inside(void **state)
     close_query();
 }
 
-static void no_tool_is_engulfed_by_an_open_sheet_or_from_outside(void **state)
+TEST(no_tool_is_engulfed_by_an_open_sheet_or_from_outside)
 {
     make_plane(11, 11, 0.004);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
@@ -449,7 +450,7 @@ static void no_tool_is_engulfed_by_an_open_sheet_or_from_outside(void **state)
 
 /* A ball that wanders in and out of a body that swings, slowly and in jumps, asked again and again;
  * and each time as if for the first time. */
-static void what_is_remembered_of_the_inside_stays_right(void **state)
+TEST(what_is_remembered_of_the_inside_stays_right)
 {
     make_sphere(3, 0.02);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
@@ -480,24 +481,5 @@ static void what_is_remembered_of_the_inside_stays_right(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(loop_rows_are_convex_combinations),
-        cmocka_unit_test(loose_corners_keep_their_place),
-        cmocka_unit_test(regular_rows_reproduce_linear_fields),
-        cmocka_unit_test(neighbouring_triangles_share_their_side),
-        cmocka_unit_test(equal_topology_shares_one_matrix),
-        cmocka_unit_test(sample_areas_sum_to_the_surface),
-        cmocka_unit_test(refuses_what_it_cannot_sample),
-        cmocka_unit_test(picks_parts_by_radius_over_edge),
-        cmocka_unit_test(a_tool_that_appears_is_found_inside_or_outside),
-        cmocka_unit_test(behind_an_open_sheet_is_nowhere_near),
-        cmocka_unit_test(the_middle_of_a_cavity_is_outside),
-        cmocka_unit_test(a_tool_leaves_the_way_it_came_or_the_nearest),
-        cmocka_unit_test(dented_tissue_is_where_it_rests_too),
-        cmocka_unit_test(a_tool_may_have_no_way_out),
-        cmocka_unit_test(a_tool_is_engulfed_when_its_middle_is_inside),
-        cmocka_unit_test(what_is_remembered_of_the_inside_stays_right),
-        cmocka_unit_test(no_tool_is_engulfed_by_an_open_sheet_or_from_outside),
-    };
-    return cmocka_run_group_tests_name("contact_surface", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

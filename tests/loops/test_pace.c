@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/number_fixture.h"
 #include "loops/pace.h"
@@ -33,7 +28,7 @@ static void step(runner *r, int64_t took_ns)
 }
 
 /* 853 of 1000 steps a second, and 212 of 250, were called good. */
-static void what_falls_behind_is_slow_after_half_a_second(void **state)
+TEST(what_falls_behind_is_slow_after_half_a_second)
 {
     static const struct {
         int64_t period_ns;
@@ -54,7 +49,7 @@ static void what_falls_behind_is_slow_after_half_a_second(void **state)
     }
 }
 
-static void what_loses_every_seventh_period_is_slow(void **state)
+TEST(what_loses_every_seventh_period_is_slow)
 {
     runner r = begin(MS);
     for (int k = 0; k < 1000; ++k) {
@@ -63,7 +58,7 @@ static void what_loses_every_seventh_period_is_slow(void **state)
     assert_near(ss_pace_share(&r.pace), 6.0 / 7.0, 0.01);
 }
 
-static void what_keeps_up_is_not_slow_whatever_one_step_took(void **state)
+TEST(what_keeps_up_is_not_slow_whatever_one_step_took)
 {
     static const int64_t hiccup_ms[] = {2, 25, 100, 400, 3000};
     for (size_t c = 0; c < sizeof hiccup_ms / sizeof *hiccup_ms; ++c) {
@@ -76,7 +71,7 @@ static void what_keeps_up_is_not_slow_whatever_one_step_took(void **state)
 }
 
 /* A body touched for the first time: some twenty steps of two periods each. */
-static void a_first_touch_is_no_slowness(void **state)
+TEST(a_first_touch_is_no_slowness)
 {
     runner r = begin(MS);
     for (int k = 0; k < 2000; ++k) {
@@ -85,7 +80,7 @@ static void a_first_touch_is_no_slowness(void **state)
     }
 }
 
-static void steps_longer_than_the_window_are_slow(void **state)
+TEST(steps_longer_than_the_window_are_slow)
 {
     runner r = begin(100 * MS);
     for (int k = 0; k < 6; ++k) {
@@ -94,7 +89,7 @@ static void steps_longer_than_the_window_are_slow(void **state)
     assert_near(ss_pace_share(&r.pace), 0.1, 1e-9);
 }
 
-static void slowness_is_forgotten_within_a_second(void **state)
+TEST(slowness_is_forgotten_within_a_second)
 {
     runner r = begin(MS);
     for (int k = 0; k < 1000; ++k) {
@@ -109,13 +104,5 @@ static void slowness_is_forgotten_within_a_second(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_falls_behind_is_slow_after_half_a_second),
-        cmocka_unit_test(what_loses_every_seventh_period_is_slow),
-        cmocka_unit_test(what_keeps_up_is_not_slow_whatever_one_step_took),
-        cmocka_unit_test(a_first_touch_is_no_slowness),
-        cmocka_unit_test(steps_longer_than_the_window_are_slow),
-        cmocka_unit_test(slowness_is_forgotten_within_a_second),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -7,15 +7,11 @@
 #include "rt/random.h"
 #include "rt/vec.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "common/mesh_fixture.h"
 
@@ -77,7 +73,7 @@ static ss_mesh *make_soup(const soup *s)
     return make_mesh(s->nodes, s->x, s->triangles, s->triangle, 0, NULL);
 }
 
-static void surface_of_a_tetrahedron_points_outward_even_when_it_is_inverted(void **state)
+TEST(surface_of_a_tetrahedron_points_outward_even_when_it_is_inverted)
 {
     const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const int32_t both[2][1][4] = {{{0, 1, 2, 3}}, {{0, 2, 1, 3}}};
@@ -95,7 +91,7 @@ static void surface_of_a_tetrahedron_points_outward_even_when_it_is_inverted(voi
     }
 }
 
-static void cube_of_six_tetrahedra_has_the_measures_of_a_cube(void **state)
+TEST(cube_of_six_tetrahedra_has_the_measures_of_a_cube)
 {
     ss_mesh *mesh = make_cube();
     ss_mesh_report r;
@@ -115,7 +111,7 @@ static void cube_of_six_tetrahedra_has_the_measures_of_a_cube(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-static void node_areas_sum_to_the_area_and_their_vectors_to_nothing(void **state)
+TEST(node_areas_sum_to_the_area_and_their_vectors_to_nothing)
 {
     ss_mesh *mesh = make_cube();
     double area[8];
@@ -137,7 +133,7 @@ static void node_areas_sum_to_the_area_and_their_vectors_to_nothing(void **state
     ss_mesh_destroy(&mesh);
 }
 
-static void transform_scales_then_turns_about_world_x_y_z_then_moves(void **state)
+TEST(transform_scales_then_turns_about_world_x_y_z_then_moves)
 {
     const double x[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const int32_t triangle[1][3] = {{0, 1, 2}};
@@ -155,7 +151,7 @@ static void transform_scales_then_turns_about_world_x_y_z_then_moves(void **stat
     ss_mesh_destroy(&mesh);
 }
 
-static void create_refuses_counts_that_make_no_mesh(void **state)
+TEST(create_refuses_counts_that_make_no_mesh)
 {
     const int32_t triangle[1][3] = {{0, 1, 2}};
     ss_mesh *mesh = NULL;
@@ -295,7 +291,7 @@ static const struct {
     {"turned neighbour", plant_turned_neighbour, false, 0, 0, 0, SOFTSIM_ERROR_MESH, "inside out"},
 };
 
-static void each_planted_fault_is_found_counted_and_judged_at_any_scale(void **state)
+TEST(each_planted_fault_is_found_counted_and_judged_at_any_scale)
 {
     const double scales[] = {1.0, 1e-3, 1e3};
     for (int32_t i = 0; i < COUNT(faults); ++i) {
@@ -326,7 +322,7 @@ static void each_planted_fault_is_found_counted_and_judged_at_any_scale(void **s
     }
 }
 
-static void faults_of_tetrahedra_are_found(void **state)
+TEST(faults_of_tetrahedra_are_found)
 {
     /* Two on one face is fine, three are not; the second is there twice; the last is flat. */
     const double x[7][3] = {{0, 0, 0},  {1, 0, 0}, {0, 1, 0}, {0, 0, 1},
@@ -346,7 +342,7 @@ static void faults_of_tetrahedra_are_found(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-static void a_body_of_kilometres_or_nanometres_is_refused_for_its_units(void **state)
+TEST(a_body_of_kilometres_or_nanometres_is_refused_for_its_units)
 {
     const double scales[] = {1e-9, 1e6};
     for (int i = 0; i < 2; ++i) {
@@ -359,7 +355,7 @@ static void a_body_of_kilometres_or_nanometres_is_refused_for_its_units(void **s
     }
 }
 
-static void checking_survives_positions_at_the_ends_of_double(void **state)
+TEST(checking_survives_positions_at_the_ends_of_double)
 {
     const double extremes[] = {1e308, -1e308, 5e-324, 0.0, -0.0, 1e-300};
     for (int i = 0; i < COUNT(extremes); ++i) {
@@ -376,7 +372,7 @@ static void checking_survives_positions_at_the_ends_of_double(void **state)
 
 /* ---- winding ---- */
 
-static void orient_turns_what_is_wrong_and_nothing_else(void **state)
+TEST(orient_turns_what_is_wrong_and_nothing_else)
 {
     soup s;
     cube_soup(&s);
@@ -413,7 +409,7 @@ static void orient_turns_what_is_wrong_and_nothing_else(void **state)
     ss_mesh_destroy(&good);
 }
 
-static void an_open_sheet_keeps_the_sense_of_most_of_its_triangles(void **state)
+TEST(an_open_sheet_keeps_the_sense_of_most_of_its_triangles)
 {
     soup s;
     cube_soup(&s);
@@ -464,7 +460,7 @@ static softsim_status read_text(const char *text, size_t size, double unit, ss_m
     return status;
 }
 
-static void msh_keeps_file_order_and_maps_tags_groups_and_units(void **state)
+TEST(msh_keeps_file_order_and_maps_tags_groups_and_units)
 {
     ss_mesh *m = NULL;
     softsim_error error = {0};
@@ -496,7 +492,7 @@ static void msh_keeps_file_order_and_maps_tags_groups_and_units(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void msh_version_1_and_surfaces_are_read(void **state)
+TEST(msh_version_1_and_surfaces_are_read)
 {
     ss_mesh *m = NULL;
     ss_mesh_report r;
@@ -513,7 +509,7 @@ static void msh_version_1_and_surfaces_are_read(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void groups_of_one_name_are_one_group(void **state)
+TEST(groups_of_one_name_are_one_group)
 {
     static const char text[] =
         "$MeshFormat\n2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"a\"\n2 2 \"a\"\n"
@@ -576,7 +572,7 @@ static const struct {
      "at most 63 bytes"},
 };
 
-static void each_bad_msh_text_gives_one_clear_error(void **state)
+TEST(each_bad_msh_text_gives_one_clear_error)
 {
     for (int32_t i = 0; i < COUNT(bad_texts); ++i) {
         ss_mesh *m = NULL;
@@ -590,7 +586,7 @@ static void each_bad_msh_text_gives_one_clear_error(void **state)
     }
 }
 
-static void a_text_cut_anywhere_is_refused_and_nothing_leaks(void **state)
+TEST(a_text_cut_anywhere_is_refused_and_nothing_leaks)
 {
     const int64_t before = ss_memory_in_use();
     const struct {
@@ -613,7 +609,7 @@ static void a_text_cut_anywhere_is_refused_and_nothing_leaks(void **state)
     assert_int_equal(ss_memory_in_use(), before);
 }
 
-static void damaged_text_never_makes_a_mesh_with_bad_indices(void **state)
+TEST(damaged_text_never_makes_a_mesh_with_bad_indices)
 {
     static const char alphabet[] = "0123456789 -+.e$\n\r\t\"nN\0\377";
     uint64_t random = 2026;
@@ -638,7 +634,7 @@ static void damaged_text_never_makes_a_mesh_with_bad_indices(void **state)
     }
 }
 
-static void many_faults_are_named_up_to_a_few(void **state)
+TEST(many_faults_are_named_up_to_a_few)
 {
     char text[4096];
     size_t used = (size_t)snprintf(text, sizeof text, "%s$Elements\n100\n", NODES);
@@ -653,25 +649,5 @@ static void many_faults_are_named_up_to_a_few(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(surface_of_a_tetrahedron_points_outward_even_when_it_is_inverted),
-        cmocka_unit_test(cube_of_six_tetrahedra_has_the_measures_of_a_cube),
-        cmocka_unit_test(node_areas_sum_to_the_area_and_their_vectors_to_nothing),
-        cmocka_unit_test(transform_scales_then_turns_about_world_x_y_z_then_moves),
-        cmocka_unit_test(create_refuses_counts_that_make_no_mesh),
-        cmocka_unit_test(each_planted_fault_is_found_counted_and_judged_at_any_scale),
-        cmocka_unit_test(faults_of_tetrahedra_are_found),
-        cmocka_unit_test(a_body_of_kilometres_or_nanometres_is_refused_for_its_units),
-        cmocka_unit_test(checking_survives_positions_at_the_ends_of_double),
-        cmocka_unit_test(orient_turns_what_is_wrong_and_nothing_else),
-        cmocka_unit_test(an_open_sheet_keeps_the_sense_of_most_of_its_triangles),
-        cmocka_unit_test(msh_keeps_file_order_and_maps_tags_groups_and_units),
-        cmocka_unit_test(msh_version_1_and_surfaces_are_read),
-        cmocka_unit_test(groups_of_one_name_are_one_group),
-        cmocka_unit_test(each_bad_msh_text_gives_one_clear_error),
-        cmocka_unit_test(a_text_cut_anywhere_is_refused_and_nothing_leaks),
-        cmocka_unit_test(damaged_text_never_makes_a_mesh_with_bad_indices),
-        cmocka_unit_test(many_faults_are_named_up_to_a_few),
-    };
-    return cmocka_run_group_tests_name("softsim.mesh", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Mesh files: through softsim-import, to disk and back, and what softsim-mesh makes and says. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,7 +36,7 @@ static void expect_cube(const char *path, int32_t nodes)
 
 #define CUBE_V "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
 
-static void obj_of_quads_with_normals_comments_and_materials_is_one_closed_cube(void **state)
+TEST(obj_of_quads_with_normals_comments_and_materials_is_one_closed_cube)
 {
     expect_cube(
         write_text("cube.obj",
@@ -55,7 +50,7 @@ static void obj_of_quads_with_normals_comments_and_materials_is_one_closed_cube(
         8);
 }
 
-static void obj_numbers_and_digits_are_those_of_the_file(void **state)
+TEST(obj_numbers_and_digits_are_those_of_the_file)
 {
     /* Triangles use the vertices backwards; the third is used by none, the last lies on the first.
      */
@@ -73,7 +68,7 @@ static void obj_numbers_and_digits_are_those_of_the_file(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void concave_polygons_are_cut_within_their_outline(void **state)
+TEST(concave_polygons_are_cut_within_their_outline)
 {
     /* An L of area 3: a fan from its first corner would cover more. */
     ss_mesh *m = load(write_text("ell.obj", "v 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\n"
@@ -91,7 +86,7 @@ static const int cube_face[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
                                      {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
                                      {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
 
-static void ascii_and_binary_stl_join_their_corners(void **state)
+TEST(ascii_and_binary_stl_join_their_corners)
 {
     char text[8192] = "solid cube\n";
     char binary[84 + 12 * 50] = "binary";
@@ -134,7 +129,7 @@ static const char *write_gltf(const char *name, const char *uri)
 
 /* Materials are left out however their line is told from others: a pipe in their place would be
  * waited for. */
-static void materials_of_an_obj_are_not_opened(void **state)
+TEST(materials_of_an_obj_are_not_opened)
 {
     /* Space, a continued line, and what assimp takes for the end of one. */
     static const char *const lines[] = {"mtllib %s\n", "mtllib\\\n %s\n", "g a\rmtllib %s\n",
@@ -153,7 +148,7 @@ static void materials_of_an_obj_are_not_opened(void **state)
     }
 }
 
-static void ascii_ply_and_gltf_are_read(void **state)
+TEST(ascii_ply_and_gltf_are_read)
 {
     char text[4096];
     size_t used = (size_t)snprintf(text, sizeof text,
@@ -187,7 +182,7 @@ static void ascii_ply_and_gltf_are_read(void **state)
 }
 
 /* A mesh from elsewhere must not read what is not beside it, nor wait for it. */
-static void gltf_reads_nothing_that_is_not_beside_it(void **state)
+TEST(gltf_reads_nothing_that_is_not_beside_it)
 {
     static const struct {
         const char *uri, *says;
@@ -260,7 +255,7 @@ static const struct {
      SOFTSIM_ERROR_FORMAT},
 };
 
-static void each_hostile_file_gives_one_error_that_names_it(void **state)
+TEST(each_hostile_file_gives_one_error_that_names_it)
 {
     for (int32_t i = 0; i < COUNT(bad_files); ++i) {
         ss_mesh *m = NULL;
@@ -276,7 +271,7 @@ static void each_hostile_file_gives_one_error_that_names_it(void **state)
     }
 }
 
-static void what_is_no_file_is_named_so(void **state)
+TEST(what_is_no_file_is_named_so)
 {
     ss_mesh *m = NULL;
     softsim_error error = {0};
@@ -296,7 +291,7 @@ static void what_is_no_file_is_named_so(void **state)
     assert_null(m);
 }
 
-static void damaged_files_never_bring_the_reader_down(void **state)
+TEST(damaged_files_never_bring_the_reader_down)
 {
     /* The bundled kidney with bytes changed, as OBJ; seeded. */
     FILE *file = fopen(SOURCE_DIR "/server/scenes/kidney.obj", "rb");
@@ -336,7 +331,7 @@ static const char *write_helper(const char *name, const char *script)
     return path;
 }
 
-static void a_helper_that_fails_in_any_way_is_one_error(void **state)
+TEST(a_helper_that_fails_in_any_way_is_one_error)
 {
     const struct {
         const char *script, *says;
@@ -380,7 +375,7 @@ static void a_helper_that_fails_in_any_way_is_one_error(void **state)
 
 /* Holes of a gigabyte, of which reading touches nothing: the first allocation fails. The mesh is
  * not wrong, and writing it again would not help. */
-static void memory_that_runs_out_is_called_so(void **state)
+TEST(memory_that_runs_out_is_called_so)
 {
     unsigned char stl[84] = {0};
     const uint32_t facets = 21000000;
@@ -413,7 +408,7 @@ static void memory_that_runs_out_is_called_so(void **state)
     }
 }
 
-static void an_answer_with_bad_contents_is_refused(void **state)
+TEST(an_answer_with_bad_contents_is_refused)
 {
     const double positions[2][3][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
                                        {{0, 0, 0}, {1, 0, 0}, {0, INFINITY, 0}}};
@@ -440,7 +435,7 @@ static void an_answer_with_bad_contents_is_refused(void **state)
 
 /* ---- writing ---- */
 
-static void meshes_come_back_from_disk_as_they_were(void **state)
+TEST(meshes_come_back_from_disk_as_they_were)
 {
     ss_mesh *kidney = load(SOURCE_DIR "/server/scenes/kidney.obj", 0.001);
     ss_mesh_transform(kidney, 1.0 / 3.0, (double[3]){10, 20, 30}, (double[3]){0.1, 0.2, 0.3});
@@ -473,7 +468,7 @@ static void meshes_come_back_from_disk_as_they_were(void **state)
     ss_mesh_destroy(&cube);
 }
 
-static void groups_and_tetrahedra_survive_msh(void **state)
+TEST(groups_and_tetrahedra_survive_msh)
 {
     const char *text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"a b\"\n"
                        "3 2 \"all\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"
@@ -498,7 +493,7 @@ static void groups_and_tetrahedra_survive_msh(void **state)
 
 #define TOOL BIN_DIR "/softsim-mesh "
 
-static void generated_organs_are_closed_even_and_of_the_points_asked_for(void **state)
+TEST(generated_organs_are_closed_even_and_of_the_points_asked_for)
 {
     SKIP_WHERE_REPEATED();
     const struct {
@@ -536,7 +531,7 @@ static void generated_organs_are_closed_even_and_of_the_points_asked_for(void **
     }
 }
 
-static void bundled_meshes_are_what_the_generator_makes(void **state)
+TEST(bundled_meshes_are_what_the_generator_makes)
 {
     SKIP_WHERE_REPEATED();
     const struct {
@@ -566,7 +561,7 @@ static void bundled_meshes_are_what_the_generator_makes(void **state)
     }
 }
 
-static void kidney_has_a_hollow_and_neighbours_near_in_memory(void **state)
+TEST(kidney_has_a_hollow_and_neighbours_near_in_memory)
 {
     ss_mesh *m = load(SOURCE_DIR "/server/scenes/kidney.obj", 0.001);
     /* At the hilum the surface lies deeper than at both ends of it. */
@@ -594,7 +589,7 @@ static void kidney_has_a_hollow_and_neighbours_near_in_memory(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void grids_have_rows_columns_and_alternating_diagonals(void **state)
+TEST(grids_have_rows_columns_and_alternating_diagonals)
 {
     char out[1024];
     assert_int_equal(run(TOOL "generate cylinder --rows 15 --columns 24 --radius-m 1 --length-m 4 "
@@ -638,7 +633,7 @@ static void grids_have_rows_columns_and_alternating_diagonals(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void check_and_info_exit_as_promised(void **state)
+TEST(check_and_info_exit_as_promised)
 {
     (void)write_text("good.obj", CUBE_V "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n"
                                         "f 2 4 8 6\n");
@@ -697,27 +692,5 @@ static void check_and_info_exit_as_promised(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(obj_of_quads_with_normals_comments_and_materials_is_one_closed_cube),
-        cmocka_unit_test(obj_numbers_and_digits_are_those_of_the_file),
-        cmocka_unit_test(concave_polygons_are_cut_within_their_outline),
-        cmocka_unit_test(ascii_and_binary_stl_join_their_corners),
-        cmocka_unit_test(ascii_ply_and_gltf_are_read),
-        cmocka_unit_test(gltf_reads_nothing_that_is_not_beside_it), /* of its cube */
-        cmocka_unit_test(materials_of_an_obj_are_not_opened),
-        cmocka_unit_test(each_hostile_file_gives_one_error_that_names_it),
-        cmocka_unit_test(what_is_no_file_is_named_so),
-        cmocka_unit_test(damaged_files_never_bring_the_reader_down),
-        cmocka_unit_test(a_helper_that_fails_in_any_way_is_one_error),
-        cmocka_unit_test(memory_that_runs_out_is_called_so),
-        cmocka_unit_test(an_answer_with_bad_contents_is_refused),
-        cmocka_unit_test(meshes_come_back_from_disk_as_they_were),
-        cmocka_unit_test(groups_and_tetrahedra_survive_msh),
-        cmocka_unit_test(generated_organs_are_closed_even_and_of_the_points_asked_for),
-        cmocka_unit_test(bundled_meshes_are_what_the_generator_makes),
-        cmocka_unit_test(kidney_has_a_hollow_and_neighbours_near_in_memory),
-        cmocka_unit_test(grids_have_rows_columns_and_alternating_diagonals),
-        cmocka_unit_test(check_and_info_exit_as_promised),
-    };
-    return cmocka_run_group_tests_name("softsim.mesh_files", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

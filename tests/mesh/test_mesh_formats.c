@@ -6,12 +6,7 @@
  * 1/3. Each good file is then cut at every byte and damaged at random: whatever comes of it must be
  * a sound mesh or an error, and no memory may stay behind.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -506,7 +501,7 @@ static bool is_as_expected(const file_case *c, const char *got, const softsim_er
            strchr(got, '\n') == NULL && strstr(got, c->expected + 1) != NULL;
 }
 
-static void each_file_gets_what_the_table_says(void **state)
+TEST(each_file_gets_what_the_table_says)
 {
     int32_t wrong = 0;
     for (int32_t i = 0; i < COUNT(cases); ++i) {
@@ -599,7 +594,7 @@ static bool is_good(const file_case *c)
     return c->expected[0] != '!' && strncmp(c->name, "mark", 4) != 0;
 }
 
-static void good_files_cut_anywhere_are_sound_or_refused(void **state)
+TEST(good_files_cut_anywhere_are_sound_or_refused)
 {
     const int64_t before = ss_memory_in_use();
     for (int32_t i = 0; i < COUNT(cases); ++i) {
@@ -613,7 +608,7 @@ static void good_files_cut_anywhere_are_sound_or_refused(void **state)
     assert_int_equal(ss_memory_in_use(), before);
 }
 
-static void good_files_damaged_at_random_are_sound_or_refused(void **state)
+TEST(good_files_damaged_at_random_are_sound_or_refused)
 {
     static const char alphabet[] = "0123456789 -+.e$<>\"/#\n\r\tnaN\0\377\200";
     const int64_t before = ss_memory_in_use();
@@ -643,7 +638,7 @@ static void open_text(const char *data, size_t size, size_t window, ss_text *out
     assert_true(ss_text_open(out, fd, (int64_t)size, window, "t", error));
 }
 
-static void windows_of_any_size_show_the_same(void **state)
+TEST(windows_of_any_size_show_the_same)
 {
     for (int32_t i = 0; i < COUNT(cases); ++i) {
         const file_case *c = &cases[i];
@@ -678,11 +673,5 @@ static void windows_of_any_size_show_the_same(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_file_gets_what_the_table_says),
-        cmocka_unit_test(good_files_cut_anywhere_are_sound_or_refused),
-        cmocka_unit_test(good_files_damaged_at_random_are_sound_or_refused),
-        cmocka_unit_test(windows_of_any_size_show_the_same),
-    };
-    return cmocka_run_group_tests_name("softsim.mesh_formats", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -6,16 +6,12 @@
 #include "rt/random.h"
 #include "rt/vec.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "common/tool_fixture.h"
 
@@ -82,7 +78,7 @@ static void u_of(const ss_mesh *mesh, int32_t q, double out[3])
 
 /* ---- grids ---- */
 
-static void a_plane_is_numbered_directed_and_cut_as_promised(void **state)
+TEST(a_plane_is_numbered_directed_and_cut_as_promised)
 {
     ss_mesh *m = make_plane(4, 5);
     assert_int_equal(m->node_count, 20);
@@ -125,7 +121,7 @@ static void a_plane_is_numbered_directed_and_cut_as_promised(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void a_cylinder_faces_outward_with_u_along_its_axis(void **state)
+TEST(a_cylinder_faces_outward_with_u_along_its_axis)
 {
     /* 24: diagonals mirror all round; 7: they cannot at one place, and nothing is refused. */
     const int32_t columns[] = {24, 7, 3};
@@ -160,7 +156,7 @@ static void a_cylinder_faces_outward_with_u_along_its_axis(void **state)
     }
 }
 
-static void impossible_grids_are_refused(void **state)
+TEST(impossible_grids_are_refused)
 {
     const struct {
         int32_t rows, columns;
@@ -188,7 +184,7 @@ static void impossible_grids_are_refused(void **state)
 
 /* ---- directions ---- */
 
-static void corners_written_in_any_turn_get_one_direction(void **state)
+TEST(corners_written_in_any_turn_get_one_direction)
 {
     ss_mesh *m = make_plane(9, 7);
     int32_t quad[48][4];
@@ -228,7 +224,7 @@ static const double cube_corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1,
 static const int32_t cube_quad[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                         {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
 
-static void a_cube_where_directions_cannot_agree_is_accepted_and_says_so(void **state)
+TEST(a_cube_where_directions_cannot_agree_is_accepted_and_says_so)
 {
     ss_mesh *m = make(8, cube_corner, 6, cube_quad);
     softsim_error error = {0};
@@ -257,7 +253,7 @@ static void a_cube_where_directions_cannot_agree_is_accepted_and_says_so(void **
 
 /* ---- cutting ---- */
 
-static void diagonals_stay_inside_and_off_flat_halves(void **state)
+TEST(diagonals_stay_inside_and_off_flat_halves)
 {
     /* A dart (reflex at node 1), and a triangle with a node in the middle of a side. */
     const double dart[4][3] = {{0, 0, 0}, {1, 0.2, 0}, {2, 0, 0}, {1, 2, 0}};
@@ -275,7 +271,7 @@ static void diagonals_stay_inside_and_off_flat_halves(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void the_shorter_diagonal_cuts_where_no_grid_is(void **state)
+TEST(the_shorter_diagonal_cuts_where_no_grid_is)
 {
     /* Three quads about node 0, a corner's fan: no structured part. */
     const double fan[7][3] = {{0, 0, 0},    {1, 0, 0},       {1, 1.5, 0},   {-0.5, 0.9, 0},
@@ -303,7 +299,7 @@ static void the_shorter_diagonal_cuts_where_no_grid_is(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void areas_of_a_warped_quad_do_not_depend_on_the_diagonal(void **state)
+TEST(areas_of_a_warped_quad_do_not_depend_on_the_diagonal)
 {
     const double x[4][3] = {{0, 0, 0}, {1, 0, 0.3}, {1.1, 1, 0}, {0, 0.9, 0.4}};
     const int32_t quads[2][1][4] = {{{0, 1, 2, 3}}, {{1, 2, 3, 0}}};
@@ -338,7 +334,7 @@ static void areas_of_a_warped_quad_do_not_depend_on_the_diagonal(void **state)
 
 /* ---- faults ---- */
 
-static void faults_of_quads_are_named(void **state)
+TEST(faults_of_quads_are_named)
 {
     const double far = 3.0;
     const double x[8][3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0},
@@ -404,7 +400,7 @@ static void faults_of_quads_are_named(void **state)
     assert_int_not_equal(ss_mesh_create_quads(8, x, 0, cube_quad, &m, NULL), SOFTSIM_OK);
 }
 
-static void turned_quads_are_turned_back_whole(void **state)
+TEST(turned_quads_are_turned_back_whole)
 {
     for (int is_cube = 0; is_cube < 2; ++is_cube) {
         ss_mesh *m = is_cube ? make(8, cube_corner, 6, cube_quad) : make_plane(6, 6);
@@ -443,7 +439,7 @@ static void turned_quads_are_turned_back_whole(void **state)
 
 /* ---- files ---- */
 
-static void quads_come_back_from_disk_as_they_were(void **state)
+TEST(quads_come_back_from_disk_as_they_were)
 {
     static const double turn[3] = {10, 20, 30};
     ss_mesh *m = NULL;
@@ -474,7 +470,7 @@ static void quads_come_back_from_disk_as_they_were(void **state)
 #define NODES                                                                                      \
     "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 0.5 2 0\nv 1.5 2 0\nv 9 9 9\n"
 
-static void only_surfaces_of_quads_alone_keep_them(void **state)
+TEST(only_surfaces_of_quads_alone_keep_them)
 {
     static const struct {
         const char *text;
@@ -505,7 +501,7 @@ static void only_surfaces_of_quads_alone_keep_them(void **state)
     "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n11 0 0 0\n12 1 0 0\n13 2 0 0\n14 0 1 0\n"    \
     "15 1 1 0\n16 2 1 0\n$EndNodes\n$Elements\n"
 
-static void msh_quads_carry_groups_and_mix_with_triangles(void **state)
+TEST(msh_quads_carry_groups_and_mix_with_triangles)
 {
     static const struct {
         const char *text;
@@ -549,20 +545,5 @@ static void msh_quads_carry_groups_and_mix_with_triangles(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plane_is_numbered_directed_and_cut_as_promised),
-        cmocka_unit_test(a_cylinder_faces_outward_with_u_along_its_axis),
-        cmocka_unit_test(impossible_grids_are_refused),
-        cmocka_unit_test(corners_written_in_any_turn_get_one_direction),
-        cmocka_unit_test(a_cube_where_directions_cannot_agree_is_accepted_and_says_so),
-        cmocka_unit_test(diagonals_stay_inside_and_off_flat_halves),
-        cmocka_unit_test(the_shorter_diagonal_cuts_where_no_grid_is),
-        cmocka_unit_test(areas_of_a_warped_quad_do_not_depend_on_the_diagonal),
-        cmocka_unit_test(faults_of_quads_are_named),
-        cmocka_unit_test(turned_quads_are_turned_back_whole),
-        cmocka_unit_test(quads_come_back_from_disk_as_they_were),
-        cmocka_unit_test(only_surfaces_of_quads_alone_keep_them),
-        cmocka_unit_test(msh_quads_carry_groups_and_mix_with_triangles),
-    };
-    return cmocka_run_group_tests_name("softsim.mesh_quads", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -7,14 +7,10 @@
 #include "rt/random.h"
 #include "rt/vec.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "common/mesh_fixture.h"
 
@@ -24,7 +20,7 @@ static const double degrees = 57.295779513082320877;
 
 static const int32_t one[1][4] = {{0, 1, 2, 3}};
 
-static void a_regular_tetrahedron_has_the_angle_acos_one_third(void **state)
+TEST(a_regular_tetrahedron_has_the_angle_acos_one_third)
 {
     const double x[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}};
     ss_mesh *mesh = make_mesh(4, x, 0, NULL, 1, one);
@@ -37,7 +33,7 @@ static void a_regular_tetrahedron_has_the_angle_acos_one_third(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-static void a_corner_of_a_cube_has_right_angles_and_acos_root_third(void **state)
+TEST(a_corner_of_a_cube_has_right_angles_and_acos_root_third)
 {
     const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     ss_mesh *mesh = make_mesh(4, x, 0, NULL, 1, one);
@@ -48,7 +44,7 @@ static void a_corner_of_a_cube_has_right_angles_and_acos_root_third(void **state
     ss_mesh_destroy(&mesh);
 }
 
-static void slivers_are_told_by_angle_and_by_length_at_any_scale(void **state)
+TEST(slivers_are_told_by_angle_and_by_length_at_any_scale)
 {
     /* Four points near a square: flat angles. A needle: its dihedral angles are those of its base.
      * A tetrahedron of height 1 on a base of 1: neither. */
@@ -80,7 +76,7 @@ static void slivers_are_told_by_angle_and_by_length_at_any_scale(void **state)
     }
 }
 
-static void triangles_and_quads_are_told_by_their_least_angle(void **state)
+TEST(triangles_and_quads_are_told_by_their_least_angle)
 {
     const double x[5][3] = {{0, 0, 0}, {1, 0, 0}, {0.5, 0.05, 0}, {0.5, 0.9, 0}, {0.5, -0.5, 0}};
     const int32_t triangle[3][3] = {{0, 1, 2}, {0, 4, 1}, {0, 1, 3}};
@@ -133,7 +129,7 @@ static ss_mesh *make_soup(const soup *s)
     return make_mesh(s->nodes, s->x, s->triangles, s->triangle, 0, NULL);
 }
 
-static void each_loop_of_open_edges_is_one_hole(void **state)
+TEST(each_loop_of_open_edges_is_one_hole)
 {
     soup s = {0};
     add_cube(&s, 1.0, 0.0, 0.0, 0.0);
@@ -162,7 +158,7 @@ static void each_loop_of_open_edges_is_one_hole(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-static void crossings_are_found_and_touching_is_none(void **state)
+TEST(crossings_are_found_and_touching_is_none)
 {
     const struct {
         const char *name;
@@ -202,7 +198,7 @@ static void crossings_are_found_and_touching_is_none(void **state)
     }
 }
 
-static void neighbours_cross_only_when_they_are_folded_or_pierced(void **state)
+TEST(neighbours_cross_only_when_they_are_folded_or_pierced)
 {
     const double x[8][3] = {{0, 0, 0},   {1, 0, 0},     {0.5, 1, 0},    {0.5, -1, 0},
                             {0.5, 2, 0}, {0.5, 0.5, 1}, {0.5, 0.6, -1}, {2, 1, 0}};
@@ -262,7 +258,7 @@ static bool pierces(const double p[3], const double q[3], const double t[3][3])
     return true;
 }
 
-static void crossings_of_random_triangles_are_those_of_a_search_over_all_pairs(void **state)
+TEST(crossings_of_random_triangles_are_those_of_a_search_over_all_pairs)
 {
     enum { TRIANGLES = 120 };
     uint64_t random = 20260;
@@ -321,7 +317,7 @@ static void expect_good_cube(ss_mesh *mesh)
     }
 }
 
-static void repair_welds_drops_and_turns_and_counts_each(void **state)
+TEST(repair_welds_drops_and_turns_and_counts_each)
 {
     soup s = {0};
     add_cube(&s, 1.0, 0.0, 0.0, 0.0);
@@ -358,7 +354,7 @@ static void repair_welds_drops_and_turns_and_counts_each(void **state)
     assert_int_equal(ss_memory_in_use(), before);
 }
 
-static void repair_turns_tetrahedra_and_takes_groups_along(void **state)
+TEST(repair_turns_tetrahedra_and_takes_groups_along)
 {
     const double x[10][3] = {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
                              {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {0, 0, 0}};
@@ -389,7 +385,7 @@ static void repair_turns_tetrahedra_and_takes_groups_along(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-static void repair_keeps_quads_and_fails_where_nothing_is_left(void **state)
+TEST(repair_keeps_quads_and_fails_where_nothing_is_left)
 {
     const double x[5][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {5, 5, 5}};
     const int32_t quad[2][4] = {{0, 1, 2, 3}, {0, 1, 2, 3}};
@@ -415,18 +411,5 @@ static void repair_keeps_quads_and_fails_where_nothing_is_left(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_regular_tetrahedron_has_the_angle_acos_one_third),
-        cmocka_unit_test(a_corner_of_a_cube_has_right_angles_and_acos_root_third),
-        cmocka_unit_test(slivers_are_told_by_angle_and_by_length_at_any_scale),
-        cmocka_unit_test(triangles_and_quads_are_told_by_their_least_angle),
-        cmocka_unit_test(each_loop_of_open_edges_is_one_hole),
-        cmocka_unit_test(crossings_are_found_and_touching_is_none),
-        cmocka_unit_test(neighbours_cross_only_when_they_are_folded_or_pierced),
-        cmocka_unit_test(crossings_of_random_triangles_are_those_of_a_search_over_all_pairs),
-        cmocka_unit_test(repair_welds_drops_and_turns_and_counts_each),
-        cmocka_unit_test(repair_turns_tetrahedra_and_takes_groups_along),
-        cmocka_unit_test(repair_keeps_quads_and_fails_where_nothing_is_left),
-    };
-    return cmocka_run_group_tests_name("softsim.mesh_quality", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -5,12 +5,7 @@
  * bits, larger than the window over a file, written here by the book of each format, and by our
  * writers; read back, it must be the same to the last bit.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -306,7 +301,7 @@ static ss_mesh *make_reference(void)
     return mesh;
 }
 
-static void one_mesh_in_every_format_is_one_mesh(void **state)
+TEST(one_mesh_in_every_format_is_one_mesh)
 {
     static const char *const names[] = {"1.msh",    "2.msh",   "4.msh",   "0.node", "1.node",
                                         "text.vtk", "old.vtk", "new.vtk", "x.vtu"};
@@ -354,7 +349,7 @@ static void one_mesh_in_every_format_is_one_mesh(void **state)
     ss_mesh_destroy(&reference);
 }
 
-static void what_we_write_comes_back_to_the_last_bit(void **state)
+TEST(what_we_write_comes_back_to_the_last_bit)
 {
     ss_mesh *mesh = make_reference();
     assert_int_equal(ss_mesh_write_msh(mesh, in_folder("our.msh"), NULL), SOFTSIM_OK);
@@ -371,7 +366,7 @@ static void what_we_write_comes_back_to_the_last_bit(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-static void surfaces_come_back_to_the_last_bit(void **state)
+TEST(surfaces_come_back_to_the_last_bit)
 {
     static const double turn[3] = {10, 20, 30};
     static const double away[3] = {0.1, 0.2, 0.3};
@@ -410,7 +405,7 @@ static void surfaces_come_back_to_the_last_bit(void **state)
 
 /* ---- long lines ---- */
 
-static void a_line_that_exceeds_the_window_is_refused(void **state)
+TEST(a_line_that_exceeds_the_window_is_refused)
 {
     FILE *file = open_file("long.msh");
     (void)fputs("$Comments\n", file);
@@ -430,11 +425,5 @@ static void a_line_that_exceeds_the_window_is_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_mesh_in_every_format_is_one_mesh),
-        cmocka_unit_test(what_we_write_comes_back_to_the_last_bit),
-        cmocka_unit_test(surfaces_come_back_to_the_last_bit),
-        cmocka_unit_test(a_line_that_exceeds_the_window_is_refused),
-    };
-    return cmocka_run_group_tests_name("softsim.mesh_roundtrip", tests, make_block, remove_folder);
+    return run_all_tests(make_block, remove_folder);
 }

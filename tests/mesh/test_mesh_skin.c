@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,7 +94,7 @@ static double volume_of(const ss_mesh *mesh)
     return report.volume;
 }
 
-static void closed_surface_covers_the_whole_core(void **state)
+TEST(closed_surface_covers_the_whole_core)
 {
     ss_mesh *core = make_cube(3, 1.0, true);
     ss_mesh *outer = make_shell(2, 2.0, 1.0, false);
@@ -114,7 +111,7 @@ static void closed_surface_covers_the_whole_core(void **state)
     ss_mesh_destroy(&core);
 }
 
-static void open_surface_is_joined_at_its_rim(void **state)
+TEST(open_surface_is_joined_at_its_rim)
 {
     ss_mesh *core = make_cube(3, 1.0, false);
     ss_mesh *outer = make_shell(3, 2.0, 0.5, true);
@@ -143,7 +140,7 @@ static void expect_refusal(const ss_mesh *core, ss_mesh *outer, const char *word
     ss_mesh_destroy(&outer);
 }
 
-static void surfaces_that_do_not_fit_are_refused(void **state)
+TEST(surfaces_that_do_not_fit_are_refused)
 {
     ss_mesh *core = make_cube(3, 1.0, false);
     ss_mesh *far = make_shell(2, 0.1, 0.05, false);
@@ -158,7 +155,7 @@ static void surfaces_that_do_not_fit_are_refused(void **state)
     ss_mesh_destroy(&core);
 }
 
-static void layers_grow_both_ways(void **state)
+TEST(layers_grow_both_ways)
 {
     ss_mesh *core = make_cube(6, 1.2, false);
     ss_mesh *mesh = NULL;
@@ -198,11 +195,5 @@ static void layers_grow_both_ways(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closed_surface_covers_the_whole_core),
-        cmocka_unit_test(open_surface_is_joined_at_its_rim),
-        cmocka_unit_test(surfaces_that_do_not_fit_are_refused),
-        cmocka_unit_test(layers_grow_both_ways),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

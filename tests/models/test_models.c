@@ -4,12 +4,7 @@
  * The table of models and the interface of each: parameters, refusals, explanations, reset, hash,
  * threads, and that the kernels of all SIMD paths agree.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/element_fixture.h"
 #include "common/note_fixture.h"
@@ -60,7 +55,7 @@ static uint64_t hash_of(const setup *s)
 
 /* ---- the table ---- */
 
-static void models_are_found_by_name_and_only_built_ones(void **state)
+TEST(models_are_found_by_name_and_only_built_ones)
 {
     int32_t count = 0;
     const ss_model_class *const *table = ss_model_table(&count);
@@ -73,7 +68,7 @@ static void models_are_found_by_name_and_only_built_ones(void **state)
     assert_null(ss_model_find(""));
 }
 
-static void every_row_has_a_default_within_its_bounds_and_a_help(void **state)
+TEST(every_row_has_a_default_within_its_bounds_and_a_help)
 {
     int32_t count = 0;
     const ss_model_class *const *table = ss_model_table(&count);
@@ -232,7 +227,7 @@ static void bad_direction_of_one(setup *s)
         (ss_param_value){.per_element = direction, .is_given = true};
 }
 
-static void what_cannot_be_is_refused_and_named(void **state)
+TEST(what_cannot_be_is_refused_and_named)
 {
     static const struct {
         spoil how;
@@ -354,7 +349,7 @@ static void directions_of_tetrahedra_on_the_surface(setup *s)
         (ss_param_value){.per_element = direction, .is_given = true};
 }
 
-static void what_cannot_be_in_a_volume_is_refused_and_named(void **state)
+TEST(what_cannot_be_in_a_volume_is_refused_and_named)
 {
     static const struct {
         spoil how;
@@ -384,7 +379,7 @@ static void what_cannot_be_in_a_volume_is_refused_and_named(void **state)
     assert_int_equal(ss_memory_in_use(), before);
 }
 
-static void all_faults_are_named_in_one_go(void **state)
+TEST(all_faults_are_named_in_one_go)
 {
     setup s;
     int32_t top;
@@ -402,7 +397,7 @@ static void all_faults_are_named_in_one_go(void **state)
 }
 
 /* A number beyond the mesh has none in the file either. */
-static void nodes_outside_a_renumbered_mesh_are_named_as_given(void **state)
+TEST(nodes_outside_a_renumbered_mesh_are_named_as_given)
 {
     setup s;
     int32_t outside = 4000000;
@@ -416,7 +411,7 @@ static void nodes_outside_a_renumbered_mesh_are_named_as_given(void **state)
     setup_fini(&s);
 }
 
-static void short_edges_and_loose_nodes_are_refused(void **state)
+TEST(short_edges_and_loose_nodes_are_refused)
 {
     for (int kind = 0; kind < 2; ++kind) {
         setup s;
@@ -447,7 +442,7 @@ static int notes(const setup *s, ss_note_kind kind, const char *where, const cha
     return note_count(s->class, s->model, kind, where, part);
 }
 
-static void the_explanation_names_what_is_used_and_left_out(void **state)
+TEST(the_explanation_names_what_is_used_and_left_out)
 {
     setup s;
     int32_t top;
@@ -464,7 +459,7 @@ static void the_explanation_names_what_is_used_and_left_out(void **state)
 }
 
 /* What it names is what limits the contact, so that doing it helps. */
-static void a_soft_contact_is_told_with_what_limits_it(void **state)
+TEST(a_soft_contact_is_told_with_what_limits_it)
 {
     static const struct {
         double working_force, given;
@@ -485,7 +480,7 @@ static void a_soft_contact_is_told_with_what_limits_it(void **state)
     }
 }
 
-static void the_explanation_tells_what_carries_the_cells(void **state)
+TEST(the_explanation_tells_what_carries_the_cells)
 {
     setup s;
     int32_t top;
@@ -523,7 +518,7 @@ static void the_explanation_tells_what_carries_the_cells(void **state)
     setup_fini(&s);
 }
 
-static void the_step_cost_grows_with_nodes_and_tools(void **state)
+TEST(the_step_cost_grows_with_nodes_and_tools)
 {
     setup s;
     int32_t top;
@@ -540,7 +535,7 @@ static void the_step_cost_grows_with_nodes_and_tools(void **state)
     setup_fini(&s);
 }
 
-static void creating_and_destroying_leaves_no_memory_behind(void **state)
+TEST(creating_and_destroying_leaves_no_memory_behind)
 {
     const int64_t before = ss_memory_in_use();
     setup s;
@@ -553,7 +548,7 @@ static void creating_and_destroying_leaves_no_memory_behind(void **state)
     assert_int_equal(ss_memory_in_use(), before);
 }
 
-static void steps_do_not_allocate(void **state)
+TEST(steps_do_not_allocate)
 {
     setup s;
     int32_t top;
@@ -565,7 +560,7 @@ static void steps_do_not_allocate(void **state)
     setup_fini(&s);
 }
 
-static void reset_brings_back_the_first_run_bit_for_bit(void **state)
+TEST(reset_brings_back_the_first_run_bit_for_bit)
 {
     setup s;
     int32_t top;
@@ -584,7 +579,7 @@ static void reset_brings_back_the_first_run_bit_for_bit(void **state)
     setup_fini(&s);
 }
 
-static void the_number_of_threads_does_not_matter(void **state)
+TEST(the_number_of_threads_does_not_matter)
 {
     uint64_t hash[3];
     static const int32_t threads[3] = {1, 2, 5};
@@ -601,7 +596,7 @@ static void the_number_of_threads_does_not_matter(void **state)
     assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
 }
 
-static void live_values_change_the_body_and_the_energy_balance_knows(void **state)
+TEST(live_values_change_the_body_and_the_energy_balance_knows)
 {
     setup s;
     int32_t top;
@@ -629,7 +624,7 @@ static void live_values_change_the_body_and_the_energy_balance_knows(void **stat
 
 /* ---- kernels ---- */
 
-static void all_simd_paths_agree(void **state)
+TEST(all_simd_paths_agree)
 {
     setup s;
     int32_t top;
@@ -680,24 +675,5 @@ static void all_simd_paths_agree(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(models_are_found_by_name_and_only_built_ones),
-        cmocka_unit_test(every_row_has_a_default_within_its_bounds_and_a_help),
-        cmocka_unit_test(what_cannot_be_is_refused_and_named),
-        cmocka_unit_test(what_cannot_be_in_a_volume_is_refused_and_named),
-        cmocka_unit_test(all_faults_are_named_in_one_go),
-        cmocka_unit_test(nodes_outside_a_renumbered_mesh_are_named_as_given),
-        cmocka_unit_test(short_edges_and_loose_nodes_are_refused),
-        cmocka_unit_test(the_explanation_names_what_is_used_and_left_out),
-        cmocka_unit_test(a_soft_contact_is_told_with_what_limits_it),
-        cmocka_unit_test(the_explanation_tells_what_carries_the_cells),
-        cmocka_unit_test(the_step_cost_grows_with_nodes_and_tools),
-        cmocka_unit_test(creating_and_destroying_leaves_no_memory_behind),
-        cmocka_unit_test(steps_do_not_allocate),
-        cmocka_unit_test(reset_brings_back_the_first_run_bit_for_bit),
-        cmocka_unit_test(the_number_of_threads_does_not_matter),
-        cmocka_unit_test(live_values_change_the_body_and_the_energy_balance_knows),
-        cmocka_unit_test(all_simd_paths_agree),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,12 +4,7 @@
  * net/gate: which poses may move a probe, told by reason, and when a refused sender is let in
  * again. Time is given by hand.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <string.h>
@@ -144,7 +139,7 @@ static void set_nothing(softsim_pose *p)
     (void)p;
 }
 
-static void each_first_pose_is_judged_by_its_fault(void **state)
+TEST(each_first_pose_is_judged_by_its_fault)
 {
     static const struct {
         const char *name;
@@ -200,7 +195,7 @@ static void each_first_pose_is_judged_by_its_fault(void **state)
     }
 }
 
-static void a_probe_without_a_tool_is_the_wrong_probe(void **state)
+TEST(a_probe_without_a_tool_is_the_wrong_probe)
 {
     ss_gate *gate = gate_make(false);
     softsim_pose pose = pose_make(ALICE, 1, 0);
@@ -210,7 +205,7 @@ static void a_probe_without_a_tool_is_the_wrong_probe(void **state)
     ss_gate_destroy(&gate);
 }
 
-static void orientations_that_pass_become_unit_ones(void **state)
+TEST(orientations_that_pass_become_unit_ones)
 {
     softsim_pose pose = pose_make(ALICE, 1, 0);
     const double q[4] = {0.5004, -0.5, 0.5, 0.5};
@@ -233,7 +228,7 @@ static void orientations_that_pass_become_unit_ones(void **state)
     ss_gate_destroy(&gate);
 }
 
-static void repeated_and_older_poses_are_refused(void **state)
+TEST(repeated_and_older_poses_are_refused)
 {
     for (int lockstep = 0; lockstep < 2; ++lockstep) {
         ss_gate *gate = gate_make(lockstep != 0);
@@ -247,7 +242,7 @@ static void repeated_and_older_poses_are_refused(void **state)
     }
 }
 
-static void seq_may_wrap(void **state)
+TEST(seq_may_wrap)
 {
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
@@ -257,7 +252,7 @@ static void seq_may_wrap(void **state)
     ss_gate_destroy(&gate);
 }
 
-static void the_first_sender_keeps_the_probe_until_half_a_second_of_silence(void **state)
+TEST(the_first_sender_keeps_the_probe_until_half_a_second_of_silence)
 {
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
@@ -282,7 +277,7 @@ static void the_first_sender_keeps_the_probe_until_half_a_second_of_silence(void
     ss_gate_destroy(&gate);
 }
 
-static void ownership_in_lockstep_runs_on_simulated_time(void **state)
+TEST(ownership_in_lockstep_runs_on_simulated_time)
 {
     ss_gate *gate = gate_make(true);
     uint32_t epoch = 0;
@@ -295,7 +290,7 @@ static void ownership_in_lockstep_runs_on_simulated_time(void **state)
     ss_gate_destroy(&gate);
 }
 
-static void probes_are_held_each_by_itself(void **state)
+TEST(probes_are_held_each_by_itself)
 {
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
@@ -307,7 +302,7 @@ static void probes_are_held_each_by_itself(void **state)
     ss_gate_destroy(&gate);
 }
 
-static void a_jump_is_refused_until_the_watchdog_lets_go(void **state)
+TEST(a_jump_is_refused_until_the_watchdog_lets_go)
 {
     for (int lockstep = 0; lockstep < 2; ++lockstep) {
         ss_gate *gate = gate_make(lockstep != 0);
@@ -338,7 +333,7 @@ static void a_jump_is_refused_until_the_watchdog_lets_go(void **state)
     }
 }
 
-static void fifty_ticks_are_counted_exactly_at_any_rate(void **state)
+TEST(fifty_ticks_are_counted_exactly_at_any_rate)
 {
     const double rate[] = {1000.0, 3000.0, 700.0, 64.0};
     for (size_t r = 0; r < sizeof rate / sizeof rate[0]; ++r) {
@@ -360,7 +355,7 @@ static void fifty_ticks_are_counted_exactly_at_any_rate(void **state)
     }
 }
 
-static void old_poses_are_stale_in_real_time_only(void **state)
+TEST(old_poses_are_stale_in_real_time_only)
 {
     for (int lockstep = 0; lockstep < 2; ++lockstep) {
         ss_gate *gate = gate_make(lockstep != 0);
@@ -377,7 +372,7 @@ static void old_poses_are_stale_in_real_time_only(void **state)
     }
 }
 
-static void age_is_measured_against_the_last_ten_seconds(void **state)
+TEST(age_is_measured_against_the_last_ten_seconds)
 {
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
@@ -409,7 +404,7 @@ static void age_is_measured_against_the_last_ten_seconds(void **state)
     ss_gate_destroy(&gate);
 }
 
-static void a_sender_back_after_long_silence_is_not_held_to_its_old_delays(void **state)
+TEST(a_sender_back_after_long_silence_is_not_held_to_its_old_delays)
 {
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
@@ -420,7 +415,7 @@ static void a_sender_back_after_long_silence_is_not_held_to_its_old_delays(void 
     ss_gate_destroy(&gate);
 }
 
-static void a_sender_that_is_always_stale_starts_afresh_after_half_a_second(void **state)
+TEST(a_sender_that_is_always_stale_starts_afresh_after_half_a_second)
 {
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
@@ -447,7 +442,7 @@ static void a_sender_that_is_always_stale_starts_afresh_after_half_a_second(void
     ss_gate_destroy(&gate);
 }
 
-static void one_timely_pose_ends_the_count_to_a_fresh_start(void **state)
+TEST(one_timely_pose_ends_the_count_to_a_fresh_start)
 {
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
@@ -462,7 +457,7 @@ static void one_timely_pose_ends_the_count_to_a_fresh_start(void **state)
     ss_gate_destroy(&gate);
 }
 
-static void a_log_played_twice_by_the_same_sender_gets_in_again(void **state)
+TEST(a_log_played_twice_by_the_same_sender_gets_in_again)
 {
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
@@ -479,7 +474,7 @@ static void a_log_played_twice_by_the_same_sender_gets_in_again(void **state)
     ss_gate_destroy(&gate);
 }
 
-static void hostile_times_overflow_nothing(void **state)
+TEST(hostile_times_overflow_nothing)
 {
     const int64_t time[] = {INT64_MIN, INT64_MIN + 1, -1, 0, 1, INT64_MAX - 1, INT64_MAX};
     enum { COUNT = sizeof time / sizeof time[0] };
@@ -497,7 +492,7 @@ static void hostile_times_overflow_nothing(void **state)
 }
 
 /* Every force tells the holder's number to all who listen; its address is its own. */
-static void a_holder_is_its_address_too(void **state)
+TEST(a_holder_is_its_address_too)
 {
     const bool lockstep[] = {false, true};
     for (int i = 0; i < 2; ++i) {
@@ -521,7 +516,7 @@ static void a_holder_is_its_address_too(void **state)
     }
 }
 
-static void other_senders_are_answered_ten_times_a_second(void **state)
+TEST(other_senders_are_answered_ten_times_a_second)
 {
     ss_gate *gate = gate_make(false);
     const softsim_pose other = pose_make(BOB, 1, 0);
@@ -545,26 +540,5 @@ static void other_senders_are_answered_ten_times_a_second(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_first_pose_is_judged_by_its_fault),
-        cmocka_unit_test(a_probe_without_a_tool_is_the_wrong_probe),
-        cmocka_unit_test(orientations_that_pass_become_unit_ones),
-        cmocka_unit_test(repeated_and_older_poses_are_refused),
-        cmocka_unit_test(seq_may_wrap),
-        cmocka_unit_test(the_first_sender_keeps_the_probe_until_half_a_second_of_silence),
-        cmocka_unit_test(ownership_in_lockstep_runs_on_simulated_time),
-        cmocka_unit_test(probes_are_held_each_by_itself),
-        cmocka_unit_test(a_jump_is_refused_until_the_watchdog_lets_go),
-        cmocka_unit_test(fifty_ticks_are_counted_exactly_at_any_rate),
-        cmocka_unit_test(old_poses_are_stale_in_real_time_only),
-        cmocka_unit_test(age_is_measured_against_the_last_ten_seconds),
-        cmocka_unit_test(a_sender_back_after_long_silence_is_not_held_to_its_old_delays),
-        cmocka_unit_test(a_sender_that_is_always_stale_starts_afresh_after_half_a_second),
-        cmocka_unit_test(one_timely_pose_ends_the_count_to_a_fresh_start),
-        cmocka_unit_test(a_log_played_twice_by_the_same_sender_gets_in_again),
-        cmocka_unit_test(hostile_times_overflow_nothing),
-        cmocka_unit_test(a_holder_is_its_address_too),
-        cmocka_unit_test(other_senders_are_answered_ten_times_a_second),
-    };
-    return cmocka_run_group_tests_name("softsim.gate", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,12 +4,7 @@
  * net/wire and net/net: nothing malformed is ever decoded; forces, status, commands and replies
  * cross LCM (memq://, in one process) unchanged.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <poll.h>
@@ -85,7 +80,7 @@ static softsim_refusal decode_command_of(const uint8_t *message, int size)
     return refusal;
 }
 
-static void a_pose_is_decoded_as_it_was_sent(void **state)
+TEST(a_pose_is_decoded_as_it_was_sent)
 {
     uint8_t message[MESSAGE_SIZE];
     const int size = encode_pose(message);
@@ -105,7 +100,7 @@ static void a_pose_is_decoded_as_it_was_sent(void **state)
     assert_true(isnan(pose.applied_force[0]) && isnan(pose.applied_force[2]));
 }
 
-static void only_the_whole_message_is_decoded(void **state)
+TEST(only_the_whole_message_is_decoded)
 {
     uint8_t message[MESSAGE_SIZE] = {0};
     int size = encode_pose(message);
@@ -121,7 +116,7 @@ static void only_the_whole_message_is_decoded(void **state)
     }
 }
 
-static void another_type_is_told_by_its_hash(void **state)
+TEST(another_type_is_told_by_its_hash)
 {
     uint8_t message[MESSAGE_SIZE];
     const int pose_size = encode_pose(message);
@@ -139,7 +134,7 @@ static void another_type_is_told_by_its_hash(void **state)
     }
 }
 
-static void hostile_string_lengths_are_malformed(void **state)
+TEST(hostile_string_lengths_are_malformed)
 {
     const uint32_t hostile[] = {0,          1,          2,          5,          7,
                                 33,         1025,       65536,      0x40000001, 0x7ffffffe,
@@ -159,7 +154,7 @@ static void hostile_string_lengths_are_malformed(void **state)
     }
 }
 
-static void strings_are_bounded_and_clean(void **state)
+TEST(strings_are_bounded_and_clean)
 {
     static char name[64];
     static char argument[2048];
@@ -267,7 +262,7 @@ static ss_net *net_make(heard *h, bool is_lockstep, const char *prefix)
     return net;
 }
 
-static void poses_reach_their_handler_and_refusals_theirs(void **state)
+TEST(poses_reach_their_handler_and_refusals_theirs)
 {
     static heard h;
     uint8_t message[MESSAGE_SIZE];
@@ -303,7 +298,7 @@ static void poses_reach_their_handler_and_refusals_theirs(void **state)
     ss_net_close(&net);
 }
 
-static void in_lockstep_poses_carry_no_receive_time(void **state)
+TEST(in_lockstep_poses_carry_no_receive_time)
 {
     static heard h;
     uint8_t message[MESSAGE_SIZE];
@@ -316,7 +311,7 @@ static void in_lockstep_poses_carry_no_receive_time(void **state)
     ss_net_close(&net);
 }
 
-static void a_dot_in_the_prefix_is_a_dot(void **state)
+TEST(a_dot_in_the_prefix_is_a_dot)
 {
     static heard h;
     uint8_t message[MESSAGE_SIZE];
@@ -330,7 +325,7 @@ static void a_dot_in_the_prefix_is_a_dot(void **state)
     ss_net_close(&net);
 }
 
-static void a_signal_ends_the_wait_and_is_drained(void **state)
+TEST(a_signal_ends_the_wait_and_is_drained)
 {
     static heard h;
     ss_net *net = net_make(&h, false, "SOFTSIM");
@@ -343,7 +338,7 @@ static void a_signal_ends_the_wait_and_is_drained(void **state)
     ss_net_close(&net);
 }
 
-static void a_command_is_answered_with_its_sender_and_id(void **state)
+TEST(a_command_is_answered_with_its_sender_and_id)
 {
     static heard h;
     uint8_t message[MESSAGE_SIZE];
@@ -371,7 +366,7 @@ static void a_command_is_answered_with_its_sender_and_id(void **state)
     ss_net_close(&net);
 }
 
-static void a_force_is_sent_as_it_is(void **state)
+TEST(a_force_is_sent_as_it_is)
 {
     static heard h;
     ss_net *net = net_make(&h, false, "T");
@@ -429,7 +424,7 @@ static void a_force_is_sent_as_it_is(void **state)
     ss_net_close(&net);
 }
 
-static void status_is_sent_as_it_is_and_its_texts_are_bounded(void **state)
+TEST(status_is_sent_as_it_is_and_its_texts_are_bounded)
 {
     static heard h;
     static char endless[100000];
@@ -472,7 +467,7 @@ static void status_is_sent_as_it_is_and_its_texts_are_bounded(void **state)
 }
 
 /* Multicast brings back what we send: our own statuses are known, another server's are not. */
-static void another_server_is_told_from_ourselves(void **state)
+TEST(another_server_is_told_from_ourselves)
 {
     static heard h;
     ss_net *net = net_make(&h, false, "R");
@@ -528,7 +523,7 @@ static void another_server_is_told_from_ourselves(void **state)
 }
 
 /* A server's command to the others must not be taken for one to itself. */
-static void own_commands_are_passed_over(void **state)
+TEST(own_commands_are_passed_over)
 {
     static heard h;
     ss_net *net = net_make(&h, false, "R");
@@ -554,7 +549,7 @@ static ss_net_status status_of(double start_s, double clock_s, double now_s)
     return status;
 }
 
-static void only_a_server_that_stays_counts(void **state)
+TEST(only_a_server_that_stays_counts)
 {
     ss_other_server other = {0};
     assert_false(ss_other_server_is_alive(&other, 5 * (int64_t)SECOND_NS));
@@ -576,7 +571,7 @@ static void only_a_server_that_stays_counts(void **state)
 }
 
 /* Whatever the delays and the clocks of two hosts: never both, and soon one. */
-static void of_two_servers_at_most_one_gives_way(void **state)
+TEST(of_two_servers_at_most_one_gives_way)
 {
     static const double apart_s[] = {1e-6, 1e-3, 0.2, 0.9, 1.1, 30.0};
     static const double clock_s[] = {0.0, 1000.0, -1000.0};
@@ -602,7 +597,7 @@ static void of_two_servers_at_most_one_gives_way(void **state)
     }
 }
 
-static void bad_urls_and_prefixes_are_refused_with_a_hint(void **state)
+TEST(bad_urls_and_prefixes_are_refused_with_a_hint)
 {
     static const struct {
         const char *url, *prefix, *hint;
@@ -650,7 +645,7 @@ static void bad_urls_and_prefixes_are_refused_with_a_hint(void **state)
     }
 }
 
-static void an_urls_parts_are_read(void **state)
+TEST(an_urls_parts_are_read)
 {
     static const struct {
         const char *url;
@@ -670,7 +665,7 @@ static void an_urls_parts_are_read(void **state)
     }
 }
 
-static void a_url_of_ones_own_is_given_or_in_the_environment(void **state)
+TEST(a_url_of_ones_own_is_given_or_in_the_environment)
 {
     char before[256] = "";
     const char *outer = getenv("LCM_DEFAULT_URL");
@@ -689,7 +684,7 @@ static void a_url_of_ones_own_is_given_or_in_the_environment(void **state)
 }
 
 /* Beyond the budget commands are counted and not answered. */
-static void commands_have_a_budget(void **state)
+TEST(commands_have_a_budget)
 {
     static heard h;
     uint8_t message[MESSAGE_SIZE];
@@ -706,7 +701,7 @@ static void commands_have_a_budget(void **state)
 }
 
 /* Forces must not wait behind a flood of poses. */
-static void a_signal_interrupts_a_flood(void **state)
+TEST(a_signal_interrupts_a_flood)
 {
     static heard h;
     uint8_t message[MESSAGE_SIZE];
@@ -726,28 +721,5 @@ static void a_signal_interrupts_a_flood(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_pose_is_decoded_as_it_was_sent),
-        cmocka_unit_test(only_the_whole_message_is_decoded),
-        cmocka_unit_test(another_type_is_told_by_its_hash),
-        cmocka_unit_test(hostile_string_lengths_are_malformed),
-        cmocka_unit_test(strings_are_bounded_and_clean),
-        cmocka_unit_test(poses_reach_their_handler_and_refusals_theirs),
-        cmocka_unit_test(in_lockstep_poses_carry_no_receive_time),
-        cmocka_unit_test(a_dot_in_the_prefix_is_a_dot),
-        cmocka_unit_test(a_signal_ends_the_wait_and_is_drained),
-        cmocka_unit_test(a_signal_interrupts_a_flood),
-        cmocka_unit_test(a_command_is_answered_with_its_sender_and_id),
-        cmocka_unit_test(a_force_is_sent_as_it_is),
-        cmocka_unit_test(status_is_sent_as_it_is_and_its_texts_are_bounded),
-        cmocka_unit_test(another_server_is_told_from_ourselves),
-        cmocka_unit_test(commands_have_a_budget),
-        cmocka_unit_test(an_urls_parts_are_read),
-        cmocka_unit_test(a_url_of_ones_own_is_given_or_in_the_environment),
-        cmocka_unit_test(own_commands_are_passed_over),
-        cmocka_unit_test(only_a_server_that_stays_counts),
-        cmocka_unit_test(of_two_servers_at_most_one_gives_way),
-        cmocka_unit_test(bad_urls_and_prefixes_are_refused_with_a_hint),
-    };
-    return cmocka_run_group_tests_name("softsim.net", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

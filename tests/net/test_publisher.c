@@ -5,12 +5,7 @@
  * the displacements within half a count, heals, and keeps its cap. Over memq://, in one process,
  * with time given by hand.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <poll.h>
@@ -222,7 +217,7 @@ static void check_reassembled(const sheet *s)
     assert_true(fabs((double)s->scale * 16384.0 / s->mesh.diagonal - 1.0) < 1e-6);
 }
 
-static void topology_chunks_make_the_mesh_and_come_every_two_seconds(void **state)
+TEST(topology_chunks_make_the_mesh_and_come_every_two_seconds)
 {
     sheet *s = sheet_make(8e6);
     for (int i = 0; i < 10; ++i) {
@@ -262,7 +257,7 @@ static void topology_chunks_make_the_mesh_and_come_every_two_seconds(void **stat
     sheet_free(s);
 }
 
-static void the_topology_number_belongs_to_the_mesh(void **state)
+TEST(the_topology_number_belongs_to_the_mesh)
 {
     sheet *a = sheet_make(8e6);
     sheet *b = sheet_make(8e6);
@@ -274,7 +269,7 @@ static void the_topology_number_belongs_to_the_mesh(void **state)
     sheet_free(b);
 }
 
-static void deltas_follow_the_displacements_within_half_a_count(void **state)
+TEST(deltas_follow_the_displacements_within_half_a_count)
 {
     sheet *s = sheet_make(8e6);
     uint64_t seed = 3;
@@ -304,7 +299,7 @@ static void deltas_follow_the_displacements_within_half_a_count(void **state)
     sheet_free(s);
 }
 
-static void only_what_moved_is_sent(void **state)
+TEST(only_what_moved_is_sent)
 {
     sheet *s = sheet_make(8e6);
     for (int i = 0; i < 10; ++i) {
@@ -325,7 +320,7 @@ static void only_what_moved_is_sent(void **state)
     sheet_free(s);
 }
 
-static void every_displaced_node_comes_again_within_a_second(void **state)
+TEST(every_displaced_node_comes_again_within_a_second)
 {
     sheet *s = sheet_make(8e6);
     uint64_t seed = 4;
@@ -345,7 +340,7 @@ static void every_displaced_node_comes_again_within_a_second(void **state)
     sheet_free(s);
 }
 
-static void a_lost_delta_heals_also_where_the_tissue_is_at_rest_again(void **state)
+TEST(a_lost_delta_heals_also_where_the_tissue_is_at_rest_again)
 {
     sheet *s = sheet_make(8e6);
     uint64_t seed = 5;
@@ -389,7 +384,7 @@ static void check_cap(const sheet *s, double cap)
     }
 }
 
-static void no_second_holds_more_than_the_cap_and_all_gets_through(void **state)
+TEST(no_second_holds_more_than_the_cap_and_all_gets_through)
 {
     const double cap[] = {1e5, 1e6, 8e6};
     for (size_t c = 0; c < sizeof cap / sizeof cap[0]; ++c) {
@@ -426,7 +421,7 @@ static void no_second_holds_more_than_the_cap_and_all_gets_through(void **state)
     }
 }
 
-static void the_cap_can_be_changed(void **state)
+TEST(the_cap_can_be_changed)
 {
     sheet *s = sheet_make(8e6);
     uint64_t seed = 8;
@@ -448,7 +443,7 @@ static void the_cap_can_be_changed(void **state)
     sheet_free(s);
 }
 
-static void displacements_beyond_the_scale_are_clamped_and_told(void **state)
+TEST(displacements_beyond_the_scale_are_clamped_and_told)
 {
     sheet *s = sheet_make(8e6);
     for (int i = 0; i < 10; ++i) {
@@ -476,7 +471,7 @@ static void displacements_beyond_the_scale_are_clamped_and_told(void **state)
     sheet_free(s);
 }
 
-static void a_mesh_without_size_is_refused(void **state)
+TEST(a_mesh_without_size_is_refused)
 {
     const double rest[1][3] = {{0, 0, 0}};
     const double bad[] = {0.0, -1.0, UNKNOWN, HUGE_VAL, 1e-300};
@@ -494,17 +489,5 @@ static void a_mesh_without_size_is_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(topology_chunks_make_the_mesh_and_come_every_two_seconds),
-        cmocka_unit_test(the_topology_number_belongs_to_the_mesh),
-        cmocka_unit_test(deltas_follow_the_displacements_within_half_a_count),
-        cmocka_unit_test(only_what_moved_is_sent),
-        cmocka_unit_test(every_displaced_node_comes_again_within_a_second),
-        cmocka_unit_test(a_lost_delta_heals_also_where_the_tissue_is_at_rest_again),
-        cmocka_unit_test(no_second_holds_more_than_the_cap_and_all_gets_through),
-        cmocka_unit_test(the_cap_can_be_changed),
-        cmocka_unit_test(displacements_beyond_the_scale_are_clamped_and_told),
-        cmocka_unit_test(a_mesh_without_size_is_refused),
-    };
-    return cmocka_run_group_tests_name("softsim.publisher", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,13 +4,10 @@
  * net/receiver and net/filter, on real sockets in a private network namespace: what the kernel lets
  * in, what a lane may take of a thread, and that a datagram is never read beyond its end.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+
+#include "common/test.h"
 
 #include <arpa/inet.h>
-#include <cmocka.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -163,7 +160,7 @@ static void hear_all(ss_receiver *receiver, heard *h, int fd)
 
 /* ---- what the kernel lets in ---- */
 
-static void the_kernel_lets_in_whole_messages_of_our_channels(void **state)
+TEST(the_kernel_lets_in_whole_messages_of_our_channels)
 {
     static const struct {
         const char *magic, *channel;
@@ -207,7 +204,7 @@ static void the_kernel_lets_in_whole_messages_of_our_channels(void **state)
     close_receiver(&receiver);
 }
 
-static void a_message_says_what_it_is_and_who_sent_it(void **state)
+TEST(a_message_says_what_it_is_and_who_sent_it)
 {
     heard h;
     ss_receiver *receiver = open_receiver(&h, NULL, "T");
@@ -243,7 +240,7 @@ static void a_message_says_what_it_is_and_who_sent_it(void **state)
     close_receiver(&receiver);
 }
 
-static void only_this_host_is_heard_with_a_ttl_of_zero(void **state)
+TEST(only_this_host_is_heard_with_a_ttl_of_zero)
 {
     heard h;
     const int fd = sender_open(0), far = sender_open(1);
@@ -266,7 +263,7 @@ static void only_this_host_is_heard_with_a_ttl_of_zero(void **state)
 }
 
 /* Every message of a channel that two lanes share comes in one of them. */
-static void a_part_of_the_message_chooses_between_lanes(void **state)
+TEST(a_part_of_the_message_chooses_between_lanes)
 {
     static const char part[] = "part of it"; /* two words and three bytes */
     enum { AT = 7 };
@@ -311,7 +308,7 @@ static void a_part_of_the_message_chooses_between_lanes(void **state)
 
 /* ---- budgets ---- */
 
-static void a_budget_fills_up_and_no_further(void **state)
+TEST(a_budget_fills_up_and_no_further)
 {
     ss_budget budget = {.interval_ns = 100, .burst = 5};
     assert_int_equal(ss_budget_left(&budget, 1000000), 5);
@@ -326,7 +323,7 @@ static void a_budget_fills_up_and_no_further(void **state)
     assert_int_equal(ss_budget_left(&budget, 9000000), 5);
 }
 
-static void a_flood_is_read_no_faster_than_the_budget(void **state)
+TEST(a_flood_is_read_no_faster_than_the_budget)
 {
     enum { FLOOD = 2000 };
     heard h;
@@ -352,7 +349,7 @@ static void a_flood_is_read_no_faster_than_the_budget(void **state)
 }
 /* What one sender fills the buffer with leaves no room for others: beyond what one may say nothing
  * of it comes into the buffer, for a time. */
-static void a_sender_who_says_too_much_is_muted(void **state)
+TEST(a_sender_who_says_too_much_is_muted)
 {
     enum { MAY_SAY = 40, FLOOD = 20000 };
     ss_lane strict[2] = {lanes[0], lanes[1]};
@@ -400,7 +397,7 @@ static void say_all(ss_receiver *receiver, heard *h, int from, int count, int ot
 }
 
 /* Others keep all places busy: then too a flood does not fill the buffer. */
-static void a_sender_without_a_place_is_muted_too(void **state)
+TEST(a_sender_without_a_place_is_muted_too)
 {
     enum { MAY_SAY = 40, OTHERS = 8, FLOOD = 20000 };
     ss_lane strict[2] = {lanes[0], lanes[1]};
@@ -429,7 +426,7 @@ static void a_sender_without_a_place_is_muted_too(void **state)
 }
 
 /* Whatever it says: without it the others are all that is left to hear. */
-static void the_sender_that_is_followed_is_never_muted(void **state)
+TEST(the_sender_that_is_followed_is_never_muted)
 {
     enum { MAY_SAY = 4, SAYS = 100 };
     ss_lane strict[2] = {lanes[0], lanes[1]};
@@ -467,7 +464,7 @@ static void *talk(void *argument)
 }
 
 /* With nobody else there is nothing that would end the wait sooner. */
-static void a_wait_lets_the_muted_in_when_their_time_is_over(void **state)
+TEST(a_wait_lets_the_muted_in_when_their_time_is_over)
 {
     enum { MAY_SAY = 4 };
     ss_lane strict[2] = {lanes[0], lanes[1]};
@@ -492,7 +489,7 @@ static void a_wait_lets_the_muted_in_when_their_time_is_over(void **state)
     close_receiver(&receiver);
 }
 
-static void a_signal_is_not_kept_waiting_by_a_flood(void **state)
+TEST(a_signal_is_not_kept_waiting_by_a_flood)
 {
     heard h;
     ss_receiver *receiver = open_receiver(&h, NULL, "T");
@@ -513,7 +510,7 @@ static void a_signal_is_not_kept_waiting_by_a_flood(void **state)
 
 /* ---- parsing ---- */
 
-static void nothing_is_read_beyond_a_datagram(void **state)
+TEST(nothing_is_read_beyond_a_datagram)
 {
     uint8_t datagram[512];
     ss_packet packet;
@@ -532,19 +529,5 @@ static void nothing_is_read_beyond_a_datagram(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_budget_fills_up_and_no_further),
-        cmocka_unit_test(nothing_is_read_beyond_a_datagram),
-        cmocka_unit_test(the_kernel_lets_in_whole_messages_of_our_channels),
-        cmocka_unit_test(a_message_says_what_it_is_and_who_sent_it),
-        cmocka_unit_test(only_this_host_is_heard_with_a_ttl_of_zero),
-        cmocka_unit_test(a_part_of_the_message_chooses_between_lanes),
-        cmocka_unit_test(a_flood_is_read_no_faster_than_the_budget),
-        cmocka_unit_test(a_sender_who_says_too_much_is_muted),
-        cmocka_unit_test(a_sender_without_a_place_is_muted_too),
-        cmocka_unit_test(the_sender_that_is_followed_is_never_muted),
-        cmocka_unit_test(a_wait_lets_the_muted_in_when_their_time_is_over),
-        cmocka_unit_test(a_signal_is_not_kept_waiting_by_a_flood),
-    };
-    return PROCESS_RUN_GROUP("receiver", tests, NULL, NULL);
+    return process_run_tests(NULL, NULL);
 }

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* net/senders: who sends much takes nothing from another, how many ever they are. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <stdbool.h>
 
 #include "net/senders.h"
@@ -35,7 +31,7 @@ static int64_t keep_busy(ss_senders *senders, int count)
     return now_ns;
 }
 
-static void each_has_a_budget_of_its_own(void **state)
+TEST(each_has_a_budget_of_its_own)
 {
     ss_senders senders = ss_senders_make(PER_S, BURST);
     for (uint64_t s = 1; s <= SS_SENDERS; ++s) {
@@ -48,7 +44,7 @@ static void each_has_a_budget_of_its_own(void **state)
     assert_false(say(&senders, 1, START + 10 * MS));
 }
 
-static void a_newcomer_is_heard_where_all_places_are_busy(void **state)
+TEST(a_newcomer_is_heard_where_all_places_are_busy)
 {
     ss_senders senders = ss_senders_make(PER_S, BURST);
     const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
@@ -59,7 +55,7 @@ static void a_newcomer_is_heard_where_all_places_are_busy(void **state)
     assert_false(say(&senders, NEWCOMER, now_ns));
 }
 
-static void a_newcomer_is_heard_beside_more_busy_senders_than_places(void **state)
+TEST(a_newcomer_is_heard_beside_more_busy_senders_than_places)
 {
     static const int counts[] = {SS_SENDERS + 1, SS_SENDERS + 4, 3 * SS_SENDERS,
                                  SS_SENDERS + SS_PAST_SENDERS};
@@ -80,7 +76,7 @@ static void a_newcomer_is_heard_beside_more_busy_senders_than_places(void **stat
     }
 }
 
-static void all_without_a_place_share_one_budget(void **state)
+TEST(all_without_a_place_share_one_budget)
 {
     ss_senders senders = ss_senders_make(PER_S, BURST);
     const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
@@ -93,7 +89,7 @@ static void all_without_a_place_share_one_budget(void **state)
 }
 
 /* Who says all he may and goes on under another number gets no more than the places allow. */
-static void senders_of_many_numbers_are_bounded_together(void **state)
+TEST(senders_of_many_numbers_are_bounded_together)
 {
     ss_senders senders = ss_senders_make(PER_S, BURST);
     const int64_t start_ns = keep_busy(&senders, SS_SENDERS);
@@ -106,7 +102,7 @@ static void senders_of_many_numbers_are_bounded_together(void **state)
     assert_true(heard <= (int64_t)(SS_SENDERS + 1 + SS_ENTRY) * (BURST + seconds * PER_S));
 }
 
-static void a_place_is_taken_only_when_its_budget_is_full(void **state)
+TEST(a_place_is_taken_only_when_its_budget_is_full)
 {
     ss_senders senders = ss_senders_make(PER_S, BURST);
     const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
@@ -121,13 +117,5 @@ static void a_place_is_taken_only_when_its_budget_is_full(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_has_a_budget_of_its_own),
-        cmocka_unit_test(a_newcomer_is_heard_where_all_places_are_busy),
-        cmocka_unit_test(a_newcomer_is_heard_beside_more_busy_senders_than_places),
-        cmocka_unit_test(all_without_a_place_share_one_budget),
-        cmocka_unit_test(senders_of_many_numbers_are_bounded_together),
-        cmocka_unit_test(a_place_is_taken_only_when_its_budget_is_full),
-    };
-    return cmocka_run_group_tests_name("senders", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

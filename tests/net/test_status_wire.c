@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The list of softsim/status.h and its message: the same fields in the same order. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "net/status_wire.h"
 
@@ -28,7 +24,7 @@ static const declared list[] = {
 #undef TEXT
 };
 
-static void the_list_is_the_lcm_file(void **state)
+TEST(the_list_is_the_lcm_file)
 {
     FILE *file = fopen(SOURCE_DIR "/lcmtypes/server_status_t.lcm", "re");
     assert_non_null(file);
@@ -53,7 +49,7 @@ static void the_list_is_the_lcm_file(void **state)
 }
 
 /* Byte by byte: every field of one is that field of the other. */
-static void a_status_comes_back_from_the_wire(void **state)
+TEST(a_status_comes_back_from_the_wire)
 {
     static char texts[] = "scene", model[] = "model", reason[] = "reason";
     softsim_server_status sent, back;
@@ -92,9 +88,5 @@ static void a_status_comes_back_from_the_wire(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_list_is_the_lcm_file),
-        cmocka_unit_test(a_status_comes_back_from_the_wire),
-    };
-    return cmocka_run_group_tests_name("status", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

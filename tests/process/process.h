@@ -26,9 +26,8 @@ typedef struct process {
 /* Enters a private network namespace; false where the system forbids it, which is told. Call once,
  * before any thread. */
 bool process_isolate(void);
-/* A group of cmocka's in there; else the status that ctest takes for skipped. */
-#define PROCESS_RUN_GROUP(name, tests, set_up, tear_down)                                          \
-    (process_isolate() ? cmocka_run_group_tests_name(name, tests, set_up, tear_down) : 77)
+/* run_all_tests in there; else the status that ctest takes for skipped. */
+#define process_run_tests(setup, teardown) (process_isolate() ? run_all_tests(setup, teardown) : 77)
 
 /* Starts BIN_DIR/argv[0] (argv ends with NULL). `environment`: NULL or extra NAME=VALUE,
  * NULL-ended. */

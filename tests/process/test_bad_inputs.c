@@ -4,12 +4,8 @@
  * Bad input: scenes, meshes, logs, arguments. Each gets one clear error with a word that names
  * the fault, exit 2, and nothing is started. Prints the table of what each got.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <glob.h>
 #include <signal.h>
 #include <stdio.h>
@@ -129,7 +125,7 @@ static const scene_case scene_cases[] = {
      "m.msh"},
 };
 
-static void scenes_and_meshes_are_refused(void **state)
+TEST(scenes_and_meshes_are_refused)
 {
     static process p;
     for (size_t i = 0; i < sizeof scene_cases / sizeof *scene_cases; ++i) {
@@ -148,7 +144,7 @@ static void scenes_and_meshes_are_refused(void **state)
 
 /* ---- scenes that are valid, and doubtful ---- */
 
-static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
+TEST(checks_tell_what_is_good_and_what_is_doubtful)
 {
     static process p;
     static const struct {
@@ -185,7 +181,7 @@ static void checks_tell_what_is_good_and_what_is_doubtful(void **state)
 
 /* ---- the bundled scenes ---- */
 
-static void what_a_bundled_scene_prints_loads_again(void **state)
+TEST(what_a_bundled_scene_prints_loads_again)
 {
     SKIP_WHERE_REPEATED();
     static process p;
@@ -215,7 +211,7 @@ static void what_a_bundled_scene_prints_loads_again(void **state)
 
 /* ---- arguments ---- */
 
-static void arguments_are_refused(void **state)
+TEST(arguments_are_refused)
 {
     static process p;
     const struct {
@@ -290,7 +286,7 @@ static void arguments_are_refused(void **state)
 
 /* ---- pose files ---- */
 
-static void poses_are_refused(void **state)
+TEST(poses_are_refused)
 {
     static process p;
     const struct {
@@ -336,7 +332,7 @@ static void put_length(unsigned char *at, uint32_t value)
     }
 }
 
-static void damaged_logs_are_read_up_to_the_damage(void **state)
+TEST(damaged_logs_are_read_up_to_the_damage)
 {
     static process p;
     size_t size = 0;
@@ -418,7 +414,7 @@ static void expect_harmless(const process *p, const char *what)
     }
 }
 
-static void no_name_drives_a_terminal(void **state)
+TEST(no_name_drives_a_terminal)
 {
     char mesh[256], scene[256], none[256];
     snprintf(mesh, sizeof mesh, "%s", write_text(HOSTILE ".obj", GOOD_MESH));
@@ -463,14 +459,5 @@ static void no_name_drives_a_terminal(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scenes_and_meshes_are_refused),
-        cmocka_unit_test(checks_tell_what_is_good_and_what_is_doubtful),
-        cmocka_unit_test(what_a_bundled_scene_prints_loads_again),
-        cmocka_unit_test(arguments_are_refused),
-        cmocka_unit_test(poses_are_refused),
-        cmocka_unit_test(damaged_logs_are_read_up_to_the_damage),
-        cmocka_unit_test(no_name_drives_a_terminal),
-    };
-    return cmocka_run_group_tests_name("bad_inputs", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -3,12 +3,8 @@
 /*
  * The whole chain: the real daemon, real clients, real LCM on a private loopback.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -85,7 +81,7 @@ static bool play_and_feel(int *out_count)
 
 /* Poses that come late are refused, by the contract: on a machine that holds the replay back the
  * press may be felt only when it is played again. */
-static void feels_the_kidney(void **state)
+TEST_WITH(feels_the_kidney, make_folder, tear_down)
 {
     SKIP_WHERE_REPEATED();
     start_daemon(KIDNEY, NULL);
@@ -143,7 +139,7 @@ static const char *cut_log(long first, size_t count)
     return path;
 }
 
-static void replays_bit_for_bit(void **state)
+TEST_WITH(replays_bit_for_bit, make_folder, tear_down)
 {
     SKIP_WHERE_REPEATED();
     char hash[3][64];
@@ -253,7 +249,7 @@ static void press_and_fall_silent(watch *w, int signal)
     }
 }
 
-static void silent_bridge_is_let_go(void **state)
+TEST_WITH(silent_bridge_is_let_go, make_folder, tear_down)
 {
     watch w;
     start_daemon(KIDNEY, NULL);
@@ -279,7 +275,7 @@ static void count_pose(const lcm_recv_buf_t *buffer, const char *channel, void *
 
 /* It speaks on to nobody, and is answered again by the next server. How long that takes to start is
  * the machine's affair, and 5 s without an answer end a replay: it is held meanwhile. */
-static void replay_outlives_a_killed_daemon(void **state)
+TEST_WITH(replay_outlives_a_killed_daemon, make_folder, tear_down)
 {
     start_daemon(KIDNEY, NULL);
     /* More often than ever needed: what is felt of it may take long on a busy machine. */
@@ -312,11 +308,5 @@ static void replay_outlives_a_killed_daemon(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(feels_the_kidney, make_folder, tear_down),
-        cmocka_unit_test_setup_teardown(replays_bit_for_bit, make_folder, tear_down),
-        cmocka_unit_test_setup_teardown(silent_bridge_is_let_go, make_folder, tear_down),
-        cmocka_unit_test_setup_teardown(replay_outlives_a_killed_daemon, make_folder, tear_down),
-    };
-    return PROCESS_RUN_GROUP("chain", tests, NULL, NULL);
+    return process_run_tests(NULL, NULL);
 }

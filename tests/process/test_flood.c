@@ -5,12 +5,7 @@
  * answered, and nothing is lost count of. How late forces get depends on the machine and is not
  * judged here: flood_report.sh measures it.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "daemon_fixture.h"
 #include "softsim/client.h"
@@ -45,7 +40,7 @@ static void expect_run(const char *const *argv)
 }
 
 /* LCM reads between its bind and any filter that is attached later: 18 of 30 servers died here. */
-static void every_program_starts_under_fragments(void **state)
+TEST_WITH(every_program_starts_under_fragments, make_folder, end_all)
 {
     enum { STARTS = 4 };
     const char *const server[] = {"softsimd", tube(), "--duration", "0.05", NULL};
@@ -72,7 +67,7 @@ static void every_program_starts_under_fragments(void **state)
 
 /* What others send to test the group neither is taken for the own test nor hides it, also where
  * other hosts are heard. */
-static void a_server_starts_under_the_self_tests_of_others(void **state)
+TEST_WITH(a_server_starts_under_the_self_tests_of_others, make_folder, end_all)
 {
     static const char *const urls[] = {"udpm://239.255.76.67:7667?ttl=0",
                                        "udpm://239.255.76.67:7667?ttl=1"};
@@ -170,7 +165,7 @@ static void stop_bridge(void)
     assert_null(strstr(client.err, "another sender holds"));
 }
 
-static void the_holder_is_answered_under_all_kinds_at_once(void **state)
+TEST_WITH(the_holder_is_answered_under_all_kinds_at_once, make_folder, end_all)
 {
     listener l;
     start_daemon(tube(), NULL);
@@ -195,7 +190,7 @@ static void the_holder_is_answered_under_all_kinds_at_once(void **state)
 
 /* Every force tells the holder's number to all; poses far ahead of it under that number from
  * another address once took the probe: the holder's own were no longer the newer ones. */
-static void poses_under_the_holders_number_change_nothing(void **state)
+TEST_WITH(poses_under_the_holders_number_change_nothing, make_folder, end_all)
 {
     listener l;
     start_daemon(tube(), NULL);
@@ -212,7 +207,7 @@ static void poses_under_the_holders_number_change_nothing(void **state)
 }
 
 /* What is beyond the budget is not answered, and what comes after is. */
-static void commands_have_a_budget(void **state)
+TEST_WITH(commands_have_a_budget, make_folder, end_all)
 {
     const char *const monitor[] = {"softsim-monitor", "--command", "status", NULL};
     listener l;
@@ -230,7 +225,7 @@ static void commands_have_a_budget(void **state)
 
 /* Each request was answered by a status of its own, to all: a server that was asked often enough
  * spoke as often as one who floods, and its clients and other servers took it for one. */
-static void requests_of_many_are_answered_by_few_statuses(void **state)
+TEST_WITH(requests_of_many_are_answered_by_few_statuses, make_folder, end_all)
 {
     listener l;
     start_daemon(tube(), NULL);
@@ -291,31 +286,31 @@ static void expect_no_command_lost(const char *kind)
     expect_no_command_lost_under("1", kind, "20000");
 }
 
-static void a_flood_of_status_requests_loses_no_command(void **state)
+TEST_WITH(a_flood_of_status_requests_loses_no_command, make_folder, end_all)
 {
     expect_no_command_lost("command-status");
 }
 
-static void a_flood_of_statuses_loses_no_command(void **state)
+TEST_WITH(a_flood_of_statuses_loses_no_command, make_folder, end_all)
 {
     expect_no_command_lost("status");
 }
 
 /* The flooder takes its share, and no more. */
-static void a_flood_of_commands_loses_no_command_of_another(void **state)
+TEST_WITH(a_flood_of_commands_loses_no_command_of_another, make_folder, end_all)
 {
     expect_no_command_lost("command-pause");
 }
 
 /* Each is slow enough never to be muted, and asks for more than its budget: all places are busy. */
-static void slow_floods_of_many_lose_no_command_of_another(void **state)
+TEST_WITH(slow_floods_of_many_lose_no_command_of_another, make_folder, end_all)
 {
     expect_no_command_lost_under("8", "command-pause", "1200");
 }
 
 /* Statuses that another process forges as fast as it can filled the monitor's buffer: the server
  * was not heard, was taken for silent, and the forger was shown in its place. */
-static void a_monitor_stays_with_the_server_it_heard_first(void **state)
+TEST_WITH(a_monitor_stays_with_the_server_it_heard_first, make_folder, end_all)
 {
     const char *const monitor[] = {"softsim-monitor", "--json", NULL};
     static const char seq[] = "\"seq\": ";
@@ -342,26 +337,5 @@ static void a_monitor_stays_with_the_server_it_heard_first(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(every_program_starts_under_fragments, make_folder, end_all),
-        cmocka_unit_test_setup_teardown(a_server_starts_under_the_self_tests_of_others, make_folder,
-                                        end_all),
-        cmocka_unit_test_setup_teardown(the_holder_is_answered_under_all_kinds_at_once, make_folder,
-                                        end_all),
-        cmocka_unit_test_setup_teardown(poses_under_the_holders_number_change_nothing, make_folder,
-                                        end_all),
-        cmocka_unit_test_setup_teardown(commands_have_a_budget, make_folder, end_all),
-        cmocka_unit_test_setup_teardown(requests_of_many_are_answered_by_few_statuses, make_folder,
-                                        end_all),
-        cmocka_unit_test_setup_teardown(a_flood_of_status_requests_loses_no_command, make_folder,
-                                        end_all),
-        cmocka_unit_test_setup_teardown(a_flood_of_statuses_loses_no_command, make_folder, end_all),
-        cmocka_unit_test_setup_teardown(a_flood_of_commands_loses_no_command_of_another,
-                                        make_folder, end_all),
-        cmocka_unit_test_setup_teardown(slow_floods_of_many_lose_no_command_of_another, make_folder,
-                                        end_all),
-        cmocka_unit_test_setup_teardown(a_monitor_stays_with_the_server_it_heard_first, make_folder,
-                                        end_all),
-    };
-    return PROCESS_RUN_GROUP("flood", tests, NULL, NULL);
+    return process_run_tests(NULL, NULL);
 }

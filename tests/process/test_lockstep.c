@@ -4,12 +4,8 @@
  * What lockstep promises beyond the hash of a whole log: it ends on its tick, and counts the
  * forces that count.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <lcm/lcm.h>
 #include <math.h>
 #include <signal.h>
@@ -72,7 +68,7 @@ static void serve_poke(const char *const *argv)
 
 /* A client that goes on sending must not move the world past its end: else the hash would tell
  * how fast the machine is. */
-static void duration_ends_on_its_tick(void **state)
+TEST_WITH(duration_ends_on_its_tick, NULL, tear_down)
 {
     static const char *const durations[] = {"0.3", "0.501"};
     for (int i = FULL_IN_RELEASE(0, 1); i < 2; ++i) {
@@ -109,7 +105,7 @@ static double largest_force(const char *path)
 
 /* The model without forces is felt through the coupling, with a result each tick too, and in the
  * same way in both programs. */
-static void chainmail_is_felt_in_lockstep(void **state)
+TEST_WITH(chainmail_is_felt_in_lockstep, NULL, tear_down)
 {
     char scene[] = "/tmp/softsim_mail_XXXXXX.yaml", csv[] = "/tmp/softsim_mail_XXXXXX.csv";
     const int file = mkstemps(scene, 5), table = mkstemps(csv, 4);
@@ -142,7 +138,7 @@ static void chainmail_is_felt_in_lockstep(void **state)
 }
 
 /* Neither has a clock to meet: simulation.max_substeps limits neither, and they agree. */
-static void a_budget_that_would_bind_changes_nothing(void **state)
+TEST_WITH(a_budget_that_would_bind_changes_nothing, NULL, tear_down)
 {
     SKIP_WHERE_REPEATED();
     static const char *const budgets[] = {"simulation.max_substeps=2",
@@ -225,7 +221,7 @@ static void send_pose(lcm_t *lcm, int64_t sender, int32_t seq, double x)
     assert_int_equal(force.sender, sender);
 }
 
-static void answers_to_another_sender_count_nowhere(void **state)
+TEST_WITH(answers_to_another_sender_count_nowhere, NULL, tear_down)
 {
     const char *const argv[] = {"softsimd", KIDNEY, "--lockstep", NULL};
     start(argv);
@@ -269,7 +265,7 @@ static void answers_to_another_sender_count_nowhere(void **state)
 
 /* One who shakes his tool stops the simulation for half a second, and nobody has to reset it: the
  * status says so afterwards, and how often. The limit is low, so that a fault needs little. */
-static void a_fault_that_ended_is_told_and_counted(void **state)
+TEST_WITH(a_fault_that_ended_is_told_and_counted, NULL, tear_down)
 {
     const char *const argv[] = {
         "softsimd", KIDNEY, "--lockstep", "--set", "haptic.max_force_n=0.01", NULL};
@@ -309,12 +305,5 @@ static void a_fault_that_ended_is_told_and_counted(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(duration_ends_on_its_tick, tear_down),
-        cmocka_unit_test_teardown(chainmail_is_felt_in_lockstep, tear_down),
-        cmocka_unit_test_teardown(a_budget_that_would_bind_changes_nothing, tear_down),
-        cmocka_unit_test_teardown(answers_to_another_sender_count_nowhere, tear_down),
-        cmocka_unit_test_teardown(a_fault_that_ended_is_told_and_counted, tear_down),
-    };
-    return PROCESS_RUN_GROUP("lockstep", tests, NULL, NULL);
+    return process_run_tests(NULL, NULL);
 }

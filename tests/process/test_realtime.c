@@ -4,12 +4,8 @@
  * The real-time rule, enforced: after start, the simulation and haptic threads never allocate,
  * lock, print or do I/O. The daemon runs under a preloaded counter while a log is played to it.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <glob.h>
 #include <sched.h>
 #include <signal.h>
@@ -62,7 +58,7 @@ static void run_daemon(const char *report, const char *probe, const char *speed)
     assert_int_equal(process_finish(&daemon_process), 0);
 }
 
-static void loops_neither_allocate_nor_lock_nor_print(void **state)
+TEST(loops_neither_allocate_nor_lock_nor_print)
 {
     char report[] = "/tmp/softsim-guard-XXXXXX";
     close(mkstemp(report));
@@ -72,7 +68,7 @@ static void loops_neither_allocate_nor_lock_nor_print(void **state)
     unlink(report);
 }
 
-static void the_guard_can_see(void **state)
+TEST(the_guard_can_see)
 {
     char report[] = "/tmp/softsim-guard-XXXXXX";
     close(mkstemp(report));
@@ -97,7 +93,7 @@ static unsigned long long capabilities(const char *path)
 
 /* Root's daemon keeps at most what SCHED_FIFO and locked memory need, in every thread, and has
  * both. */
-static void root_keeps_no_capability_without_a_use(void **state)
+TEST(root_keeps_no_capability_without_a_use)
 {
     enum { NICE = 1 << 23, LOCK = 1 << 14 };
     static process daemon_process;
@@ -130,10 +126,5 @@ static void root_keeps_no_capability_without_a_use(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(loops_neither_allocate_nor_lock_nor_print),
-        cmocka_unit_test(the_guard_can_see),
-        cmocka_unit_test(root_keeps_no_capability_without_a_use),
-    };
-    return PROCESS_RUN_GROUP("realtime", tests, NULL, NULL);
+    return process_run_tests(NULL, NULL);
 }

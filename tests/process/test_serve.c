@@ -4,13 +4,10 @@
  * What the real daemon says to those who ask or watch: commands, topology, status, and packets that
  * are not its own.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+
+#include "common/test.h"
 
 #include <arpa/inet.h>
-#include <cmocka.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -46,7 +43,7 @@ static void expect_reply(watch *w, char *name, char *argument, int code)
     }
 }
 
-static void obeys_commands(void **state)
+TEST_WITH(obeys_commands, make_folder, tear_down)
 {
     watch w;
     start_daemon(tube(), NULL);
@@ -109,7 +106,7 @@ static void on_topology(const lcm_recv_buf_t *buffer, const char *channel,
 }
 
 /* The body is numbered by place inside; on the wire each node says its number in the file. */
-static void the_topology_leads_back_to_the_files_numbers(void **state)
+TEST_WITH(the_topology_leads_back_to_the_files_numbers, make_folder, tear_down)
 {
     const char *const argv[] = {"softsimd", SCENES "cylinder-grid.yaml", NULL};
     topology t = {0};
@@ -137,7 +134,7 @@ static void the_topology_leads_back_to_the_files_numbers(void **state)
     assert_int_equal(t.wrong_flags, 0);
 }
 
-static void monitor_sends_commands(void **state)
+TEST_WITH(monitor_sends_commands, make_folder, tear_down)
 {
     static const struct {
         const char *command, *said;
@@ -185,7 +182,7 @@ static bool says_slow_and_how_much(const watch *w)
 }
 
 /* So light and so stiff that a quarter of a millisecond takes some dozens of sub-steps. */
-static void a_slow_server_says_so(void **state)
+TEST_WITH(a_slow_server_says_so, make_folder, tear_down)
 {
     const char *const slow[] = {
         "--set", "haptic.rate_hz=4000",           "--set", "simulation.rate_hz=4000",
@@ -209,7 +206,7 @@ static void a_slow_server_says_so(void **state)
     assert_non_null(said);
 }
 
-static void monitor_prints_one_status(void **state)
+TEST_WITH(monitor_prints_one_status, make_folder, tear_down)
 {
     start_daemon(tube(), NULL);
     const char *const monitor[] = {"softsim-monitor", "--once", "--json", NULL};
@@ -234,7 +231,7 @@ static void send_wrapping_fragment(int fd)
         sizeof packet - 1);
 }
 
-static void no_fragment_crashes_server_or_client(void **state)
+TEST_WITH(no_fragment_crashes_server_or_client, make_folder, tear_down)
 {
     const int fd = socket(AF_INET, SOCK_DGRAM, 0);
     assert_true(fd >= 0);
@@ -256,15 +253,5 @@ static void no_fragment_crashes_server_or_client(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(obeys_commands, make_folder, tear_down),
-        cmocka_unit_test_setup_teardown(the_topology_leads_back_to_the_files_numbers, make_folder,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(monitor_sends_commands, make_folder, tear_down),
-        cmocka_unit_test_setup_teardown(a_slow_server_says_so, make_folder, tear_down),
-        cmocka_unit_test_setup_teardown(monitor_prints_one_status, make_folder, tear_down),
-        cmocka_unit_test_setup_teardown(no_fragment_crashes_server_or_client, make_folder,
-                                        tear_down),
-    };
-    return PROCESS_RUN_GROUP("serve", tests, NULL, NULL);
+    return process_run_tests(NULL, NULL);
 }

@@ -4,12 +4,8 @@
  * One server a prefix: real daemons that meet, and clients that hear two. A stopped process stands
  * for a server that is not heard while another starts.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -34,7 +30,7 @@ static void expect_text(const char *text, const char *wanted)
 }
 
 /* On a machine that has no time for the first one's answer the second gives way a little later. */
-static void the_second_names_the_first_and_does_not_start(void **state)
+TEST_WITH(the_second_names_the_first_and_does_not_start, make_folder, tear_down)
 {
     int status = 1;
     start_daemon(tube(), NULL);
@@ -54,7 +50,7 @@ static void the_second_names_the_first_and_does_not_start(void **state)
     assert_int_equal(stop_daemon(), 0);
 }
 
-static void a_killed_server_is_followed_at_once(void **state)
+TEST_WITH(a_killed_server_is_followed_at_once, make_folder, tear_down)
 {
     start_daemon(tube(), NULL);
     process_signal(&daemon_process, SIGKILL);
@@ -65,7 +61,7 @@ static void a_killed_server_is_followed_at_once(void **state)
 }
 
 /* And has nothing to say of it: it runs on beyond its first statuses, which is when it would. */
-static void takeover_ends_the_first(void **state)
+TEST_WITH(takeover_ends_the_first, make_folder, tear_down)
 {
     start_daemon(tube(), NULL);
     const char *const argv[] = {"softsimd", tube(), "--takeover", "--duration", "0.6", NULL};
@@ -77,7 +73,7 @@ static void takeover_ends_the_first(void **state)
 }
 
 /* Neither heard the other at its start: the younger goes. */
-static void of_two_that_run_the_younger_gives_way(void **state)
+TEST_WITH(of_two_that_run_the_younger_gives_way, make_folder, tear_down)
 {
     start_daemon(tube(), NULL);
     process_signal(&daemon_process, SIGSTOP);
@@ -92,7 +88,7 @@ static void of_two_that_run_the_younger_gives_way(void **state)
 
 /* Statuses that come once a second, as of a server that is held up, or of ever another server: who
  * is not confirmed does not keep one from starting. */
-static void statuses_of_nobody_hold_up_no_start(void **state)
+TEST_WITH(statuses_of_nobody_hold_up_no_start, make_folder, tear_down)
 {
     char none[] = "";
     softsim_server_status_t status = {.scene = none, .model = none, .reason = none};
@@ -161,7 +157,7 @@ static void read_forces(const char *name, double *out_late, double *out_jump)
     assert_int_equal(rows, 2000);
 }
 
-static void a_bridge_lets_go_where_two_servers_answer(void **state)
+TEST_WITH(a_bridge_lets_go_where_two_servers_answer, make_folder, tear_down)
 {
     double late = 0.0, jump = 0.0;
     start_two(KIDNEY);
@@ -297,7 +293,7 @@ static bool is_ramp(const course *c)
 /* A tool held 4 mm below where it touched, on two blocks of which one is five times as stiff as the
  * other. Mixed, the hand would get now the one and now the other, four fifths of the first's apart.
  * Where a busy machine brought more than two messages in one period, it is done again. */
-static void under_a_bridge_one_force_ends_before_the_other_begins(void **state)
+TEST_WITH(under_a_bridge_one_force_ends_before_the_other_begins, make_folder, tear_down)
 {
     if (!HAS_FEM) {
         skip();
@@ -348,7 +344,7 @@ static void under_a_bridge_one_force_ends_before_the_other_begins(void **state)
     assert_true(share > 0.98 * deeper && share < 1.02 * deeper * deeper);
 }
 
-static void watching_and_replaying_clients_say_that_there_are_two(void **state)
+TEST_WITH(watching_and_replaying_clients_say_that_there_are_two, make_folder, tear_down)
 {
     start_two(tube());
     const char *const watching[] = {"softsim-monitor", "--duration", "20", NULL};
@@ -368,16 +364,5 @@ static void watching_and_replaying_clients_say_that_there_are_two(void **state)
 
 int main(void)
 {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, make_folder, tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(the_second_names_the_first_and_does_not_start),
-        TEST(a_killed_server_is_followed_at_once),
-        TEST(takeover_ends_the_first),
-        TEST(of_two_that_run_the_younger_gives_way),
-        TEST(statuses_of_nobody_hold_up_no_start),
-        TEST(a_bridge_lets_go_where_two_servers_answer),
-        TEST(under_a_bridge_one_force_ends_before_the_other_begins),
-        TEST(watching_and_replaying_clients_say_that_there_are_two),
-    };
-    return PROCESS_RUN_GROUP("two servers", tests, NULL, NULL);
+    return process_run_tests(NULL, NULL);
 }

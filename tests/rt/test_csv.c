@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* rt/csv: cells as spreadsheets write them; columns by name; every fault has its place. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 
@@ -14,7 +9,7 @@
 #include "common/number_fixture.h"
 #include "rt/csv.h"
 
-static void cells_are_cut_at_commas(void **state)
+TEST(cells_are_cut_at_commas)
 {
     static const struct {
         const char *line;
@@ -40,7 +35,7 @@ static void cells_are_cut_at_commas(void **state)
     }
 }
 
-static void blank_lines_and_comments_are_passed_over(void **state)
+TEST(blank_lines_and_comments_are_passed_over)
 {
     char blank[] = " \t\r\n", comment[] = "  # a,b\n", row[] = "  1, 2 \r\n";
     assert_null(ss_csv_trim(blank));
@@ -48,7 +43,7 @@ static void blank_lines_and_comments_are_passed_over(void **state)
     assert_string_equal(ss_csv_trim(row), "1, 2");
 }
 
-static void columns_are_found_by_name_and_faults_have_their_line(void **state)
+TEST(columns_are_found_by_name_and_faults_have_their_line)
 {
     static const char *const name[] = {"b", "a", "c"};
     static char longer[10000];
@@ -91,7 +86,7 @@ static void columns_are_found_by_name_and_faults_have_their_line(void **state)
 }
 
 /* Comments and blank lines may stand before it. */
-static void faults_of_the_head_have_its_line(void **state)
+TEST(faults_of_the_head_have_its_line)
 {
     static const char *const name[] = {"b"};
     char wide[240] = "# made by hand\n\n";
@@ -111,7 +106,7 @@ static void faults_of_the_head_have_its_line(void **state)
 }
 
 /* It would hide the rest of its line. The last one is UTF-16. */
-static void a_nul_is_refused(void **state)
+TEST(a_nul_is_refused)
 {
     static const char *const name[] = {"a"};
     static const struct {
@@ -143,7 +138,7 @@ static void a_nul_is_refused(void **state)
 }
 
 /* One row each, after the head line a,b. */
-static void strict_rows_are_whole_and_finite(void **state)
+TEST(strict_rows_are_whole_and_finite)
 {
     static const char *const name[] = {"a"};
     static const struct {
@@ -175,13 +170,5 @@ static void strict_rows_are_whole_and_finite(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cells_are_cut_at_commas),
-        cmocka_unit_test(blank_lines_and_comments_are_passed_over),
-        cmocka_unit_test(columns_are_found_by_name_and_faults_have_their_line),
-        cmocka_unit_test(faults_of_the_head_have_its_line),
-        cmocka_unit_test(a_nul_is_refused),
-        cmocka_unit_test(strict_rows_are_whole_and_finite),
-    };
-    return cmocka_run_group_tests_name("softsim.rt.csv", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

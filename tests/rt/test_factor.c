@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* rt/factor: what it solves, put back into the matrix, is what was asked for. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <string.h>
@@ -69,7 +64,7 @@ static void assert_solves(ss_factor *factor, const matrix *m, uint64_t seed)
     }
 }
 
-static void a_factor_solves_and_is_filled_again(void **state)
+TEST(a_factor_solves_and_is_filled_again)
 {
     static matrix m;
     ss_factor factor;
@@ -94,7 +89,7 @@ static void a_factor_solves_and_is_filled_again(void **state)
     ss_factor_fini(&factor);
 }
 
-static void a_pivot_of_zero_is_told(void **state)
+TEST(a_pivot_of_zero_is_told)
 {
     int column[] = {0, 1, 2}, row[] = {0, 1};
     double value[] = {2.0, 0.0};
@@ -110,9 +105,5 @@ static void a_pivot_of_zero_is_told(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_factor_solves_and_is_filled_again),
-        cmocka_unit_test(a_pivot_of_zero_is_told),
-    };
-    return cmocka_run_group_tests_name("softsim.rt.factor", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,12 +4,7 @@
  * rt/: what crosses between two threads is never torn and keeps its order; percentiles agree with
  * sorting; memory is counted; errors say how many more there were.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <fcntl.h>
 #include <float.h>
@@ -52,7 +47,7 @@ typedef struct big_value {
     uint64_t word[WORDS];
 } big_value;
 
-static void mailbox_gives_nothing_before_the_first_post(void **state)
+TEST(mailbox_gives_nothing_before_the_first_post)
 {
     ss_mailbox *mailbox = ss_mailbox_create(sizeof(int));
     assert_non_null(mailbox);
@@ -66,7 +61,7 @@ static void mailbox_gives_nothing_before_the_first_post(void **state)
     ss_mailbox_destroy(&mailbox);
 }
 
-static void mailbox_gives_the_newest_and_says_whether_it_is_new(void **state)
+TEST(mailbox_gives_the_newest_and_says_whether_it_is_new)
 {
     ss_mailbox *mailbox = ss_mailbox_create(sizeof(int));
     for (int i = 1; i <= 5; ++i) {
@@ -104,7 +99,7 @@ static void *post_many(void *argument)
     return NULL;
 }
 
-static void mailbox_between_two_threads_is_never_torn_and_never_goes_back(void **state)
+TEST(mailbox_between_two_threads_is_never_torn_and_never_goes_back)
 {
     ss_mailbox *mailbox = ss_mailbox_create(sizeof(big_value));
     ss_thread *writer = NULL;
@@ -156,7 +151,7 @@ static bool record_is_whole(const record *r)
     return memcmp(&expected, r, sizeof expected) == 0;
 }
 
-static void ring_keeps_order_and_refuses_what_does_not_fit(void **state)
+TEST(ring_keeps_order_and_refuses_what_does_not_fit)
 {
     ss_ring *ring = ss_ring_create(sizeof(int), 5); /* rounded up to 8 */
     assert_non_null(ring);
@@ -206,7 +201,7 @@ static void *push_many(void *argument)
     return NULL;
 }
 
-static void ring_between_two_threads_loses_and_tears_nothing(void **state)
+TEST(ring_between_two_threads_loses_and_tears_nothing)
 {
     push_job job = {ss_ring_create(sizeof(record), 64), 0};
     ss_thread *writer = NULL;
@@ -232,7 +227,7 @@ static void ring_between_two_threads_loses_and_tears_nothing(void **state)
 
 /* ---- histogram ---- */
 
-static void histogram_agrees_with_sorting(void **state)
+TEST(histogram_agrees_with_sorting)
 {
     enum { SAMPLES = 20000 };
     static ss_histogram histogram;
@@ -253,7 +248,7 @@ static void histogram_agrees_with_sorting(void **state)
     assert_true(ss_histogram_quantile(&histogram, 1.0) == sample[SAMPLES - 1]);
 }
 
-static void histogram_forgets_after_ten_seconds(void **state)
+TEST(histogram_forgets_after_ten_seconds)
 {
     static ss_histogram histogram;
     const int64_t second = 1000000000;
@@ -269,7 +264,7 @@ static void histogram_forgets_after_ten_seconds(void **state)
     assert_true(ss_histogram_quantile(&histogram, 0.0) <= 3.0);
 }
 
-static void histogram_takes_odd_values(void **state)
+TEST(histogram_takes_odd_values)
 {
     static ss_histogram histogram;
     ss_histogram_init(&histogram, 0);
@@ -283,7 +278,7 @@ static void histogram_takes_odd_values(void **state)
 
 /* ---- memory, clock, threads ---- */
 
-static void memory_is_aligned_zeroed_and_counted(void **state)
+TEST(memory_is_aligned_zeroed_and_counted)
 {
     const int64_t before = ss_memory_in_use();
     unsigned char *a = ss_memory_get(1001, 3);
@@ -301,7 +296,7 @@ static void memory_is_aligned_zeroed_and_counted(void **state)
     assert_int_equal(ss_memory_in_use(), before);
 }
 
-static void arena_remembers_what_it_could_not_give_and_frees_all_at_once(void **state)
+TEST(arena_remembers_what_it_could_not_give_and_frees_all_at_once)
 {
     const int64_t before = ss_memory_in_use();
     ss_arena arena = {0};
@@ -327,7 +322,7 @@ static void arena_remembers_what_it_could_not_give_and_frees_all_at_once(void **
     ss_arena_free(&arena);
 }
 
-static void clock_sleeps_until_the_deadline_and_not_before(void **state)
+TEST(clock_sleeps_until_the_deadline_and_not_before)
 {
     const int64_t deadline = ss_clock_now_ns() + 2000000;
     ss_clock_sleep_until(deadline);
@@ -355,7 +350,7 @@ static void *look_around(void *argument)
     return NULL;
 }
 
-static void threads_carry_their_name_and_flush_denormals(void **state)
+TEST(threads_carry_their_name_and_flush_denormals)
 {
     thread_seen seen = {"", 1.0f, -1};
     ss_thread *thread = NULL;
@@ -374,7 +369,7 @@ static void threads_carry_their_name_and_flush_denormals(void **state)
 #endif
 }
 
-static void fifo_is_had_or_its_refusal_is_said(void **state)
+TEST(fifo_is_had_or_its_refusal_is_said)
 {
     thread_seen seen = {"", 1.0f, -1};
     ss_thread *thread = NULL;
@@ -397,7 +392,7 @@ static void fifo_is_had_or_its_refusal_is_said(void **state)
     assert_null(thread);
 }
 
-static void wake_is_seen_by_poll_until_drained(void **state)
+TEST(wake_is_seen_by_poll_until_drained)
 {
     const int fd = ss_wake_open();
     assert_true(fd >= 0);
@@ -414,7 +409,7 @@ static void wake_is_seen_by_poll_until_drained(void **state)
 
 /* ---- errors ---- */
 
-static void status_has_a_name_and_a_text(void **state)
+TEST(status_has_a_name_and_a_text)
 {
     assert_string_equal(softsim_status_name(SOFTSIM_OK), "OK");
     assert_string_equal(softsim_status_name(SOFTSIM_ERROR_MESH), "ERROR_MESH");
@@ -423,7 +418,7 @@ static void status_has_a_name_and_a_text(void **state)
     assert_non_null(softsim_status_text((softsim_status)77));
 }
 
-static void verdicts_and_refusals_have_names(void **state)
+TEST(verdicts_and_refusals_have_names)
 {
     assert_string_equal(softsim_verdict_name(SOFTSIM_VERDICT_GUARDED), "guarded");
     assert_string_equal(softsim_verdict_name((softsim_verdict)4), "unknown");
@@ -433,7 +428,7 @@ static void verdicts_and_refusals_have_names(void **state)
     assert_string_equal(softsim_refusal_name(SOFTSIM_ACCEPTED), "unknown");
 }
 
-static void errors_keep_every_line_and_the_first_status(void **state)
+TEST(errors_keep_every_line_and_the_first_status)
 {
     static softsim_error error;
     memset(&error, 0, sizeof error);
@@ -447,7 +442,7 @@ static void errors_keep_every_line_and_the_first_status(void **state)
 
 /* A terminal obeys control characters: ESC, CSI in one byte and in UTF-8, what turns text around.
  */
-static void nothing_that_is_shown_drives_a_terminal(void **state)
+TEST(nothing_that_is_shown_drives_a_terminal)
 {
     static const struct {
         const char *text, *shown;
@@ -509,7 +504,7 @@ static void nothing_that_is_shown_drives_a_terminal(void **state)
     assert_string_equal(error.text, "s.yaml:1: bad\nmesh: ?\n      ^");
 }
 
-static void a_full_error_says_how_many_more(void **state)
+TEST(a_full_error_says_how_many_more)
 {
     static softsim_error error;
     for (int length = 1; length < 400; length += FULL_IN_RELEASE(7, 57)) {
@@ -534,7 +529,7 @@ static void a_full_error_says_how_many_more(void **state)
     }
 }
 
-static void an_endless_first_fault_is_cut(void **state)
+TEST(an_endless_first_fault_is_cut)
 {
     static softsim_error error;
     memset(&error, 0, sizeof error);
@@ -548,7 +543,7 @@ static void an_endless_first_fault_is_cut(void **state)
 /* ---- files ---- */
 
 /* Digits alone name an open file: what else strtol would take is the name of another. */
-static void only_digits_name_a_descriptor(void **state)
+TEST(only_digits_name_a_descriptor)
 {
     static const struct {
         const char *path;
@@ -568,7 +563,7 @@ static void only_digits_name_a_descriptor(void **state)
 /* ---- progress ---- */
 
 /* A terminal whose other side nobody reads: what is written to it never gets through. */
-static void a_stalled_reader_holds_up_no_work(void **state)
+TEST(a_stalled_reader_holds_up_no_work)
 {
     char name[64], text[512];
     const int keyboard = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -602,7 +597,7 @@ static void a_stalled_reader_holds_up_no_work(void **state)
 }
 
 /* On a terminal at once, one line that is wiped in the end; elsewhere short work says nothing. */
-static void progress_is_shown_and_wiped(void **state)
+TEST(progress_is_shown_and_wiped)
 {
     char out[1024];
     size_t used = 0;
@@ -642,7 +637,7 @@ static void progress_is_shown_and_wiped(void **state)
 }
 
 /* The first numbers for the seed 1234567, as Rosetta Code publishes them. */
-static void random_numbers_are_those_of_splitmix64(void **state)
+TEST(random_numbers_are_those_of_splitmix64)
 {
     static const uint64_t wanted[] = {UINT64_C(6457827717110365317), UINT64_C(3203168211198807973),
                                       UINT64_C(9817491932198370423)};
@@ -659,7 +654,7 @@ static void random_numbers_are_those_of_splitmix64(void **state)
     }
 }
 
-static void texts_become_strings_of_json(void **state)
+TEST(texts_become_strings_of_json)
 {
     static const struct {
         const char *text, *json;
@@ -680,7 +675,7 @@ static void texts_become_strings_of_json(void **state)
     }
 }
 
-static void a_reason_is_an_error_without_its_place(void **state)
+TEST(a_reason_is_an_error_without_its_place)
 {
     static const char *const cases[][2] = {{"/tmp/a.yaml:3:4: error: no: none", "error: no: none"},
                                            {"out of memory\nb: c", "out of memory"},
@@ -697,33 +692,5 @@ static void a_reason_is_an_error_without_its_place(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mailbox_gives_nothing_before_the_first_post),
-        cmocka_unit_test(mailbox_gives_the_newest_and_says_whether_it_is_new),
-        cmocka_unit_test(mailbox_between_two_threads_is_never_torn_and_never_goes_back),
-        cmocka_unit_test(ring_keeps_order_and_refuses_what_does_not_fit),
-        cmocka_unit_test(ring_between_two_threads_loses_and_tears_nothing),
-        cmocka_unit_test(histogram_agrees_with_sorting),
-        cmocka_unit_test(histogram_forgets_after_ten_seconds),
-        cmocka_unit_test(histogram_takes_odd_values),
-        cmocka_unit_test(memory_is_aligned_zeroed_and_counted),
-        cmocka_unit_test(arena_remembers_what_it_could_not_give_and_frees_all_at_once),
-        cmocka_unit_test(clock_sleeps_until_the_deadline_and_not_before),
-        cmocka_unit_test(threads_carry_their_name_and_flush_denormals),
-        cmocka_unit_test(fifo_is_had_or_its_refusal_is_said),
-        cmocka_unit_test(wake_is_seen_by_poll_until_drained),
-        cmocka_unit_test(status_has_a_name_and_a_text),
-        cmocka_unit_test(verdicts_and_refusals_have_names),
-        cmocka_unit_test(progress_is_shown_and_wiped),
-        cmocka_unit_test(only_digits_name_a_descriptor),
-        cmocka_unit_test(a_stalled_reader_holds_up_no_work),
-        cmocka_unit_test(errors_keep_every_line_and_the_first_status),
-        cmocka_unit_test(nothing_that_is_shown_drives_a_terminal),
-        cmocka_unit_test(texts_become_strings_of_json),
-        cmocka_unit_test(a_reason_is_an_error_without_its_place),
-        cmocka_unit_test(a_full_error_says_how_many_more),
-        cmocka_unit_test(an_endless_first_fault_is_cut),
-        cmocka_unit_test(random_numbers_are_those_of_splitmix64),
-    };
-    return cmocka_run_group_tests_name("softsim.rt", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Scenes: what a good one gives, overrides, printing, live keys. */
+#include "common/test.h"
 #include "scene_fixture.h"
 
 #include "rt/vec.h"
@@ -50,7 +51,7 @@ static const char full[] =
     "prescribed:\n"
     "  - {nodes: [5], displacement_m: [0, 0, 0.001], ramp_s: 0.5, axes: z}\n";
 
-static void gives_every_value_of_a_scene(void **state)
+TEST(gives_every_value_of_a_scene)
 {
     ss_scene *s = load_good(full, NULL, 0);
     assert_string_equal(s->model_name, "jelly");
@@ -121,7 +122,7 @@ static void gives_every_value_of_a_scene(void **state)
     assert_null(s);
 }
 
-static void has_the_documented_defaults(void **state)
+TEST(has_the_documented_defaults)
 {
     ss_scene *s = load_good(replace_line(12, "  rate_hz: 1000"), NULL, 0);
     assert_near(s->max_force_n, 8, 0);
@@ -139,7 +140,7 @@ static void has_the_documented_defaults(void **state)
     ss_scene_destroy(&s);
 }
 
-static void millimetres_and_metres_give_the_same_body(void **state)
+TEST(millimetres_and_metres_give_the_same_body)
 {
     ss_scene *mm = load_good(small, NULL, 0);
     const char *const overrides[] = {"object.mesh=cube_m.msh", "object.units=m"};
@@ -155,7 +156,7 @@ static void millimetres_and_metres_give_the_same_body(void **state)
 }
 
 /* Regions with the border through nodes, in a body of awkward size. */
-static void regions_take_the_nodes_on_their_border(void **state)
+TEST(regions_take_the_nodes_on_their_border)
 {
     static const struct {
         const char *region;
@@ -182,7 +183,7 @@ static void regions_take_the_nodes_on_their_border(void **state)
     }
 }
 
-static void the_first_matching_region_gives_the_value(void **state)
+TEST(the_first_matching_region_gives_the_value)
 {
     ss_scene *s = load_good(replace_line(8, "  modulus_j: 5\n  rho:\n"
                                             "    - {where: {nodes: [7]}, value: 3}\n"
@@ -199,7 +200,7 @@ static void the_first_matching_region_gives_the_value(void **state)
     ss_scene_destroy(&s);
 }
 
-static void values_by_link_are_read_and_renumbered(void **state)
+TEST(values_by_link_are_read_and_renumbered)
 {
     write_text("links.csv", "node,node,value\n0,1,0.5\n# a note\n7, 2, 0.25\n0,3,1\n");
     ss_scene *s = load_good(replace_line(8, "  modulus_j: 5\n  rho: {file: links.csv}"), NULL, 0);
@@ -216,7 +217,7 @@ static void values_by_link_are_read_and_renumbered(void **state)
     ss_scene_destroy(&s);
 }
 
-static void an_empty_cell_leaves_its_axis_free(void **state)
+TEST(an_empty_cell_leaves_its_axis_free)
 {
     ss_scene *s =
         load_good(replace_line(13, "prescribed: [{displacement_file: lift.csv, group: top}]\n"
@@ -240,7 +241,7 @@ static void an_empty_cell_leaves_its_axis_free(void **state)
 /* ---- repair ---- */
 
 /* A tetrahedron's surface with a corner twice, one face twice, one face turned and a loose node. */
-static void a_mesh_is_mended_where_the_scene_asks_for_it(void **state)
+TEST(a_mesh_is_mended_where_the_scene_asks_for_it)
 {
     write_text("broken.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 5 5 5\n2 0 0 0\n"
                              "3 1 0 0\n4 0 1 0\n5 0 0 1\n6 0 0 1\n$EndNodes\n$Elements\n5\n"
@@ -265,7 +266,7 @@ static void a_mesh_is_mended_where_the_scene_asks_for_it(void **state)
 
 #define GRID(grid) "softsim: 1\nobject:\n" grid "model: {name: jelly, modulus_j: 1}\n"
 
-static void a_grid_is_made_in_the_scene_itself(void **state)
+TEST(a_grid_is_made_in_the_scene_itself)
 {
     ss_scene *s =
         load_good(GRID("  grid: {cylinder: {rows: 15, columns: 24, radius_m: 1, length_m: 4}}\n"
@@ -295,7 +296,7 @@ static void a_grid_is_made_in_the_scene_itself(void **state)
     ss_scene_destroy(&s);
 }
 
-static void a_grid_of_a_table_has_its_units_and_closes_where_told(void **state)
+TEST(a_grid_of_a_table_has_its_units_and_closes_where_told)
 {
     FILE *stream = open_file("ring.csv");
     fprintf(stream, "x,y,z\n");
@@ -328,7 +329,7 @@ static void a_grid_of_a_table_has_its_units_and_closes_where_told(void **state)
 
 /* ---- directions ---- */
 
-static void a_direction_is_normalised_whatever_its_length(void **state)
+TEST(a_direction_is_normalised_whatever_its_length)
 {
     static const struct {
         const char *text;
@@ -371,7 +372,7 @@ static void write_directions(const char *name, int count)
     fclose(stream);
 }
 
-static void directions_by_file_are_of_quads_or_triangles_or_tetrahedra(void **state)
+TEST(directions_by_file_are_of_quads_or_triangles_or_tetrahedra)
 {
     write_directions("grain_12.csv", 12);
     write_directions("grain_6.csv", 6);
@@ -446,7 +447,7 @@ static ss_scene *load_bundled(const char *name)
     return scene;
 }
 
-static void the_bundled_scenes_hold_what_they_should(void **state)
+TEST(the_bundled_scenes_hold_what_they_should)
 {
     if (access(BIN_DIR "/softsim-import", X_OK) != 0) {
         skip(); /* its meshes are read through that program */
@@ -494,7 +495,7 @@ static void the_bundled_scenes_hold_what_they_should(void **state)
 
 /* ---- overrides ---- */
 
-static void overrides_reach_every_scalar(void **state)
+TEST(overrides_reach_every_scalar)
 {
     static const char *const overrides[] = {
         "haptic.max_force_n=6",
@@ -533,7 +534,7 @@ static void overrides_reach_every_scalar(void **state)
     ss_scene_destroy(&s);
 }
 
-static void a_bad_override_names_the_option(void **state)
+TEST(a_bad_override_names_the_option)
 {
     static const struct {
         const char *option;
@@ -609,7 +610,7 @@ static void assert_same_scene(const ss_scene *a, const ss_scene *b)
     assert_memory_equal((const char *)a + first, (const char *)b + first, last - first);
 }
 
-static void what_is_printed_loads_again(void **state)
+TEST(what_is_printed_loads_again)
 {
     static char text[65536];
     static char again[65536];
@@ -647,7 +648,7 @@ static void what_is_printed_loads_again(void **state)
     }
 }
 
-static void each_printed_value_has_its_meaning_beside_it(void **state)
+TEST(each_printed_value_has_its_meaning_beside_it)
 {
     static char text[65536];
     ss_scene *s = load_good(small, NULL, 0);
@@ -665,7 +666,7 @@ static void each_printed_value_has_its_meaning_beside_it(void **state)
 
 /* ---- live keys ---- */
 
-static void live_keys_are_parsed_and_the_rest_refused(void **state)
+TEST(live_keys_are_parsed_and_the_rest_refused)
 {
     static const struct {
         const char *assignment;
@@ -730,25 +731,5 @@ static void live_keys_are_parsed_and_the_rest_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gives_every_value_of_a_scene),
-        cmocka_unit_test(has_the_documented_defaults),
-        cmocka_unit_test(millimetres_and_metres_give_the_same_body),
-        cmocka_unit_test(regions_take_the_nodes_on_their_border),
-        cmocka_unit_test(the_first_matching_region_gives_the_value),
-        cmocka_unit_test(values_by_link_are_read_and_renumbered),
-        cmocka_unit_test(an_empty_cell_leaves_its_axis_free),
-        cmocka_unit_test(a_mesh_is_mended_where_the_scene_asks_for_it),
-        cmocka_unit_test(a_grid_is_made_in_the_scene_itself),
-        cmocka_unit_test(a_grid_of_a_table_has_its_units_and_closes_where_told),
-        cmocka_unit_test(a_direction_is_normalised_whatever_its_length),
-        cmocka_unit_test(directions_by_file_are_of_quads_or_triangles_or_tetrahedra),
-        cmocka_unit_test(the_bundled_scenes_hold_what_they_should),
-        cmocka_unit_test(overrides_reach_every_scalar),
-        cmocka_unit_test(a_bad_override_names_the_option),
-        cmocka_unit_test(what_is_printed_loads_again),
-        cmocka_unit_test(each_printed_value_has_its_meaning_beside_it),
-        cmocka_unit_test(live_keys_are_parsed_and_the_rest_refused),
-    };
-    return cmocka_run_group_tests(tests, make_files, remove_folder);
+    return run_all_tests(make_files, remove_folder);
 }

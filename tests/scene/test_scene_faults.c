@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Bad scenes: what is said, and where. */
+#include "common/test.h"
 #include "scene_fixture.h"
 
 typedef struct bad {
@@ -129,7 +130,7 @@ static const bad bad_row[] = {
     {14, "# \x1b[31m", "14:3", "byte 0x1b is no text"},
 };
 
-static void names_every_fault_with_its_place(void **state)
+TEST(names_every_fault_with_its_place)
 {
     int wrong = 0;
     for (size_t i = 0; i < sizeof bad_row / sizeof *bad_row; i++) {
@@ -148,7 +149,7 @@ static void names_every_fault_with_its_place(void **state)
     assert_int_equal(wrong, 0);
 }
 
-static void a_model_that_is_missing_or_needs_a_volume_is_named(void **state)
+TEST(a_model_that_is_missing_or_needs_a_volume_is_named)
 {
     assert_null(load_with("softsim: 1\nobject: {mesh: cube.msh, units: mm}\n", NULL, 0));
     assert_int_equal(error.fault_count, 1);
@@ -159,7 +160,7 @@ static void a_model_that_is_missing_or_needs_a_volume_is_named(void **state)
     assert_non_null(strstr(error.text, ":2:16: error: block needs a volume"));
 }
 
-static void shows_the_line_and_a_caret(void **state)
+TEST(shows_the_line_and_a_caret)
 {
     assert_null(load_with(replace_line(12, "  max_force_n: 300"), NULL, 0));
     assert_non_null(strstr(error.text, "\n  max_force_n: 300\n               ^~~"));
@@ -168,7 +169,7 @@ static void shows_the_line_and_a_caret(void **state)
     assert_non_null(strstr(error.text, "\n  \xc3\xa4\xc3\xb6: 1\n  ^~"));
 }
 
-static void faults_of_data_files_name_the_file_and_line(void **state)
+TEST(faults_of_data_files_name_the_file_and_line)
 {
     assert_null(load_with(replace_line(5, "  fixed: [{nodes: bad_nodes.txt}]"), NULL, 0));
     assert_int_equal(error.fault_count, 3);
@@ -235,7 +236,7 @@ static void faults_of_data_files_name_the_file_and_line(void **state)
     assert_non_null(strstr(error.text, "lift_bad.csv:3: error: 'x' is not a displacement"));
 }
 
-static void reports_all_faults_in_one_go_and_in_order(void **state)
+TEST(reports_all_faults_in_one_go_and_in_order)
 {
     assert_null(load_with("softsim: 1\n"
                           "object:\n"
@@ -262,7 +263,7 @@ static void reports_all_faults_in_one_go_and_in_order(void **state)
     }
 }
 
-static void counts_faults_beyond_what_can_be_shown(void **state)
+TEST(counts_faults_beyond_what_can_be_shown)
 {
     char text[16384] = "softsim: 1\nobject:\n";
     for (int i = 0; i < 200; i++) {
@@ -275,7 +276,7 @@ static void counts_faults_beyond_what_can_be_shown(void **state)
     assert_non_null(strstr(error.text, "more faults)"));
 }
 
-static void hostile_text_is_refused_and_cleaned(void **state)
+TEST(hostile_text_is_refused_and_cleaned)
 {
     ss_scene *scene = NULL;
     static const char *const text[] = {
@@ -316,14 +317,5 @@ static void hostile_text_is_refused_and_cleaned(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(names_every_fault_with_its_place),
-        cmocka_unit_test(a_model_that_is_missing_or_needs_a_volume_is_named),
-        cmocka_unit_test(shows_the_line_and_a_caret),
-        cmocka_unit_test(faults_of_data_files_name_the_file_and_line),
-        cmocka_unit_test(reports_all_faults_in_one_go_and_in_order),
-        cmocka_unit_test(counts_faults_beyond_what_can_be_shown),
-        cmocka_unit_test(hostile_text_is_refused_and_cleaned),
-    };
-    return cmocka_run_group_tests(tests, make_files, remove_folder);
+    return run_all_tests(make_files, remove_folder);
 }

@@ -4,6 +4,7 @@
  * Scenes rewritten: values change in their places, everything else stays as the user wrote it, the
  * result is the scene that the overrides make; what cannot be placed is refused.
  */
+#include "common/test.h"
 #include "scene_fixture.h"
 
 #include <sys/stat.h>
@@ -36,7 +37,7 @@ static char *rewrite(const char *source, const char *const *set, int count, cons
     return out;
 }
 
-static void a_number_changes_in_its_place(void **state)
+TEST(a_number_changes_in_its_place)
 {
     const char *set[] = {"model.modulus_j=12.5", "model.rho.1.value=0.25",
                          "contact.tools.0.shape.sphere.radius_mm=6"};
@@ -57,7 +58,7 @@ static void a_number_changes_in_its_place(void **state)
     free(out);
 }
 
-static void what_is_not_there_is_added(void **state)
+TEST(what_is_not_there_is_added)
 {
     const char *set[] = {"model.cells=9", "haptic.max_force_n=3",
                          "haptic.coupling.stiffness_n_per_m=300", "contact.working_force_n=1.5",
@@ -85,7 +86,7 @@ static void what_is_not_there_is_added(void **state)
     free(out);
 }
 
-static void a_key_goes_before_a_mapping_that_comes_first(void **state)
+TEST(a_key_goes_before_a_mapping_that_comes_first)
 {
     const char *set[] = {"haptic.max_force_n=3"};
     char *out = rewrite(replace_line(12, "  coupling: {damping_n_s_per_m: 1}"), set, 1, folder);
@@ -102,7 +103,7 @@ static void a_key_goes_before_a_mapping_that_comes_first(void **state)
     free(out);
 }
 
-static void files_are_found_from_another_folder(void **state)
+TEST(files_are_found_from_another_folder)
 {
     const char *other = in_folder("other");
     assert_int_equal(mkdir(other, 0777), 0);
@@ -133,7 +134,7 @@ static void files_are_found_from_another_folder(void **state)
     assert_int_equal(rmdir(other), 0);
 }
 
-static void lists_and_lost_folders_are_refused(void **state)
+TEST(lists_and_lost_folders_are_refused)
 {
     const char *list[] = {"model.rho=3"};
     assert_null(rewrite(text, list, 1, folder));
@@ -142,7 +143,7 @@ static void lists_and_lost_folders_are_refused(void **state)
     assert_non_null(strstr(error.text, "is not there"));
 }
 
-static void numbers_are_found_by_path(void **state)
+TEST(numbers_are_found_by_path)
 {
     const char *set[] = {"model.rho.0.value=0.5"};
     ss_scene *scene = load_with(text, set, 1);
@@ -167,7 +168,7 @@ static void gather(void *sink, const char *line)
     snprintf(to + strlen(to), 1024 - strlen(to), "%s\n", line);
 }
 
-static void what_was_given_is_printed_alone(void **state)
+TEST(what_was_given_is_printed_alone)
 {
     char out[1024] = "";
     const char *set[] = {"model.modulus_j=2", "model.rho={file: rho.csv}", "model.cells=3"};
@@ -182,14 +183,5 @@ static void what_was_given_is_printed_alone(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_number_changes_in_its_place),
-        cmocka_unit_test(what_is_not_there_is_added),
-        cmocka_unit_test(a_key_goes_before_a_mapping_that_comes_first),
-        cmocka_unit_test(files_are_found_from_another_folder),
-        cmocka_unit_test(lists_and_lost_folders_are_refused),
-        cmocka_unit_test(numbers_are_found_by_path),
-        cmocka_unit_test(what_was_given_is_printed_alone),
-    };
-    return cmocka_run_group_tests(tests, make_files, remove_folder);
+    return run_all_tests(make_files, remove_folder);
 }

@@ -6,12 +6,7 @@
  * choice within a budget are the right ones, and a whole run on a small case, pushed and pulled, is
  * calibrated and leaves the rows it should, twice the same.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -34,7 +29,7 @@
 
 /* ---- norms ---- */
 
-static void norms_have_the_values_worked_out_by_hand(void **state)
+TEST(norms_have_the_values_worked_out_by_hand)
 {
     const double weight[] = {1.0, 3.0};
     const double reference[][3] = {{3.0, 0.0, 4.0}, {0.0, 0.0, 2.0}};
@@ -49,7 +44,7 @@ static void norms_have_the_values_worked_out_by_hand(void **state)
     assert_near(ss_norms_amplitude(2, weight, u, reference), 25.0 / 26.0, 1e-15);
 }
 
-static void norms_without_a_value_are_not_numbers(void **state)
+TEST(norms_without_a_value_are_not_numbers)
 {
     const double weight[] = {1.0}, zero[][3] = {{0.0}}, one[][3] = {{1.0, 0.0, 0.0}};
     const double wild[][3] = {{(double)NAN, 0.0, 0.0}}, down[] = {0.0, 0.0, -1.0};
@@ -63,7 +58,7 @@ static void norms_without_a_value_are_not_numbers(void **state)
 
 /* ---- tables ---- */
 
-static void tables_keep_quoted_cells_and_short_rows(void **state)
+TEST(tables_keep_quoted_cells_and_short_rows)
 {
     ss_table table;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -82,7 +77,7 @@ static void tables_keep_quoted_cells_and_short_rows(void **state)
     ss_table_fini(&table);
 }
 
-static void tables_with_too_much_are_refused(void **state)
+TEST(tables_with_too_much_are_refused)
 {
     static const char *const bad[] = {"a,b\n1,2,3\n", "a\n1\n2,\n"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
@@ -95,7 +90,7 @@ static void tables_with_too_much_are_refused(void **state)
     }
 }
 
-static void damaged_gzip_files_are_refused(void **state)
+TEST(damaged_gzip_files_are_refused)
 {
     size_t size = 0;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -117,7 +112,7 @@ static void damaged_gzip_files_are_refused(void **state)
 
 /* ---- cases ---- */
 
-static void a_good_case_is_read_as_it_is(void **state)
+TEST(a_good_case_is_read_as_it_is)
 {
     ss_case c;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -140,7 +135,7 @@ static void a_good_case_is_read_as_it_is(void **state)
 
 /* The volume's weights sum to the slab's volume, the reference is what is prescribed on the patch,
  * and the surface has the same nodes by number, weighted by its own areas. */
-static void bodies_have_their_nodes_weights_and_references(void **state)
+TEST(bodies_have_their_nodes_weights_and_references)
 {
     ss_case c;
     ss_case_body volume, surface;
@@ -180,7 +175,7 @@ static void bodies_have_their_nodes_weights_and_references(void **state)
     ss_case_fini(&c);
 }
 
-static void every_bundled_case_can_be_read(void **state)
+TEST(every_bundled_case_can_be_read)
 {
     static const char *const names[] = {"b_cantilever", "e_ventricle", "f_membrane", "g_dynamics"};
     for (size_t k = 0; k < sizeof names / sizeof *names; ++k) {
@@ -203,7 +198,7 @@ static void every_bundled_case_can_be_read(void **state)
     }
 }
 
-static void a_dynamic_case_has_its_curves(void **state)
+TEST(a_dynamic_case_has_its_curves)
 {
     ss_case c;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -226,7 +221,7 @@ static void a_dynamic_case_has_its_curves(void **state)
     "levels: {linear: {a: 0.001}}\n"                                                               \
     "meshes: {m: {volume: m.msh, sets: s.json, reference: {linear: r.csv}}}\n"
 
-static void hostile_statements_are_refused_with_their_place(void **state)
+TEST(hostile_statements_are_refused_with_their_place)
 {
     static const struct {
         const char *text, *says;
@@ -311,7 +306,7 @@ static softsim_status load_tiny(ss_case_body *body, softsim_error *error)
 }
 
 /* The numbers of the file need not be in order, nor begin with 1. */
-static void numbers_lead_to_nodes(void **state)
+TEST(numbers_lead_to_nodes)
 {
     ss_case_body body;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -340,7 +335,7 @@ static void numbers_lead_to_nodes(void **state)
     ss_case_body_fini(&body);
 }
 
-static void hostile_bodies_are_refused(void **state)
+TEST(hostile_bodies_are_refused)
 {
     static const struct {
         const char *name, *text, *says;
@@ -408,7 +403,7 @@ static void hostile_bodies_are_refused(void **state)
 
 /* ---- front, choice ---- */
 
-static void the_front_is_what_nothing_beats(void **state)
+TEST(the_front_is_what_nothing_beats)
 {
     const double time[] = {1.0, 2.0, 2.0, 3.0, 4.0, (double)NAN, 1.0};
     const double error[] = {0.5, 0.4, 0.3, 0.35, 0.1, 0.01, 0.5};
@@ -418,7 +413,7 @@ static void the_front_is_what_nothing_beats(void **state)
     assert_memory_equal(is_front, expected, sizeof expected);
 }
 
-static void the_choice_is_the_most_accurate_that_fits(void **state)
+TEST(the_choice_is_the_most_accurate_that_fits)
 {
     const ss_accuracy_mean mean[] = {{.error_l2 = 0.4, .p50_us = 10.0},
                                      {.error_l2 = (double)NAN, .p50_us = 1.0},
@@ -499,7 +494,7 @@ static int count_parts(const char *name)
     return count;
 }
 
-static void a_run_leaves_its_rows_pushed_or_pulled(void **state)
+TEST(a_run_leaves_its_rows_pushed_or_pulled)
 {
     SKIP_WHERE_REPEATED();
     double field[2];
@@ -537,7 +532,7 @@ static void a_run_leaves_its_rows_pushed_or_pulled(void **state)
     assert_near(field[0], field[1], 0.02);
 }
 
-static void a_second_run_has_nothing_to_resume_and_agrees(void **state)
+TEST(a_second_run_has_nothing_to_resume_and_agrees)
 {
     SKIP_WHERE_REPEATED();
     ss_accuracy_rows first, second;
@@ -588,7 +583,7 @@ static void find_floor(const ss_table *floor, const ss_accuracy_row *row, double
 
 /* At nu = 0.3 the element's own error to 1 %; at 0.45 no worse, and with the cure for locking
  * better than any plain element can be. */
-static void fem_reaches_the_floor_of_linear_tetrahedra(void **state)
+TEST(fem_reaches_the_floor_of_linear_tetrahedra)
 {
     SKIP_WHERE_REPEATED();
     static const char *const run[][3] = {{"b_cantilever", "99", "locking_cure=auto"},
@@ -628,7 +623,7 @@ static void fem_reaches_the_floor_of_linear_tetrahedra(void **state)
 }
 
 /* Twice as fine: the same volume, eight times the elements, sets on the same faces. */
-static void refinement_keeps_the_body(void **state)
+TEST(refinement_keeps_the_body)
 {
     ss_case c;
     ss_case_body body, fine;
@@ -662,7 +657,7 @@ static void refinement_keeps_the_body(void **state)
     ss_case_fini(&c);
 }
 
-static void bad_commands_end_with_2(void **state)
+TEST(bad_commands_end_with_2)
 {
     const char *out = in_folder("none");
     write_slab(1.0);
@@ -684,26 +679,5 @@ static void bad_commands_end_with_2(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(norms_have_the_values_worked_out_by_hand),
-        cmocka_unit_test(norms_without_a_value_are_not_numbers),
-        cmocka_unit_test(tables_keep_quoted_cells_and_short_rows),
-        cmocka_unit_test(tables_with_too_much_are_refused),
-        cmocka_unit_test(damaged_gzip_files_are_refused),
-        cmocka_unit_test(a_good_case_is_read_as_it_is),
-        cmocka_unit_test(bodies_have_their_nodes_weights_and_references),
-        cmocka_unit_test(every_bundled_case_can_be_read),
-        cmocka_unit_test(a_dynamic_case_has_its_curves),
-        cmocka_unit_test(hostile_statements_are_refused_with_their_place),
-        cmocka_unit_test(numbers_lead_to_nodes),
-        cmocka_unit_test(hostile_bodies_are_refused),
-        cmocka_unit_test(the_front_is_what_nothing_beats),
-        cmocka_unit_test(the_choice_is_the_most_accurate_that_fits),
-        cmocka_unit_test(a_run_leaves_its_rows_pushed_or_pulled),
-        cmocka_unit_test(a_second_run_has_nothing_to_resume_and_agrees),
-        cmocka_unit_test(fem_reaches_the_floor_of_linear_tetrahedra),
-        cmocka_unit_test(refinement_keeps_the_body),
-        cmocka_unit_test(bad_commands_end_with_2),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -6,12 +6,7 @@
  * field that has little to do with the reference is told in words, a swing is judged by all its
  * steps, and what was run before a case was mended is not resumed.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -70,7 +65,7 @@ static int run(const char *const *option)
 }
 
 /* Whatever is wrong with the last case of a call, none is run, and the file is named. */
-static void a_damaged_case_stops_the_call_before_any_run(void **state)
+TEST(a_damaged_case_stops_the_call_before_any_run)
 {
     static const struct {
         const char *name, *text; /* NULL: not there */
@@ -122,7 +117,7 @@ static void a_damaged_case_stops_the_call_before_any_run(void **state)
 }
 
 /* The node that is pushed is right; in the other reference a held one has gone as far. */
-static void a_poor_field_is_said_in_the_verdict(void **state)
+TEST(a_poor_field_is_said_in_the_verdict)
 {
     static const char *const reference[] = {
         good_reference, "node,x,y,z,w,ux_a,uy_a,uz_a\n2,0,0,1,.1,0,0,-.001\n3,1,0,0,.1,0,.001,0\n"
@@ -186,7 +181,7 @@ static void swing_beam(double hz, char out_verdict[512], double *out_f1_error)
     ss_table_fini(&table);
 }
 
-static void a_swing_is_judged_by_all_its_steps(void **state)
+TEST(a_swing_is_judged_by_all_its_steps)
 {
     SKIP_WHERE_REPEATED();
     char verdict[512];
@@ -206,7 +201,7 @@ static void a_swing_is_judged_by_all_its_steps(void **state)
 }
 
 /* A row that no picture can show as what it is stops the call before any run. */
-static void an_odd_row_of_another_program_is_refused(void **state)
+TEST(an_odd_row_of_another_program_is_refused)
 {
     static const struct {
         const char *row, *says;
@@ -255,7 +250,7 @@ static void an_odd_row_of_another_program_is_refused(void **state)
 
 /* A scene's reference takes minutes: rows are judged before it is made, and a scene that is no case
  * leaves no folder behind. */
-static void a_scene_that_cannot_be_run_leaves_nothing(void **state)
+TEST(a_scene_that_cannot_be_run_leaves_nothing)
 {
     char text[1024];
     if (ss_model_find("fem") == NULL) {
@@ -286,7 +281,7 @@ static void a_scene_that_cannot_be_run_leaves_nothing(void **state)
 }
 
 /* Rows of another program may be more than all of our models and meshes. */
-static void every_row_of_another_program_is_on_the_page(void **state)
+TEST(every_row_of_another_program_is_on_the_page)
 {
     enum { ROWS = 300 };
     char last[32];
@@ -316,7 +311,7 @@ static void every_row_of_another_program_is_on_the_page(void **state)
 }
 
 /* What was run before a case was mended is not taken for a result of the mended one. */
-static void a_mended_case_is_not_resumed(void **state)
+TEST(a_mended_case_is_not_resumed)
 {
     if (ss_model_find("mass-spring") == NULL) {
         skip();
@@ -341,7 +336,7 @@ static void a_mended_case_is_not_resumed(void **state)
 }
 
 /* A case's own constants, a key that no model has, no value: none can be set. */
-static void only_what_is_left_to_choose_can_be_set(void **state)
+TEST(only_what_is_left_to_choose_can_be_set)
 {
     static const char *const odd[] = {"youngs_modulus_pa=1", "lame_mu_pa=1", "depth=1",
                                       "layer.spacing_m=1",   "name=xpbd",    "locking_cure",
@@ -364,15 +359,5 @@ static void only_what_is_left_to_choose_can_be_set(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_damaged_case_stops_the_call_before_any_run),
-        cmocka_unit_test(a_poor_field_is_said_in_the_verdict),
-        cmocka_unit_test(a_swing_is_judged_by_all_its_steps),
-        cmocka_unit_test(an_odd_row_of_another_program_is_refused),
-        cmocka_unit_test(a_scene_that_cannot_be_run_leaves_nothing),
-        cmocka_unit_test(only_what_is_left_to_choose_can_be_set),
-        cmocka_unit_test(every_row_of_another_program_is_on_the_page),
-        cmocka_unit_test(a_mended_case_is_not_resumed),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -4,12 +4,7 @@
  * softsim-bench accuracy --scene: the reference that a scene makes of itself is near the trusted
  * one, is worth what it says, and is refused where fem has none or ends degraded.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <errno.h>
 #include <math.h>
@@ -47,7 +42,7 @@ static softsim_status refer(const char *corner, const char *model, const char *r
 
 /* A beam of 99 nodes in a scene: the reference made by refinement is nearer to the trusted one than
  * it says it is worth, and far nearer than the beam's own mesh. */
-static void a_scene_makes_its_own_reference(void **state)
+TEST(a_scene_makes_its_own_reference)
 {
     ss_accuracy_worth worth;
     ss_case c, trusted;
@@ -88,7 +83,7 @@ static void a_scene_makes_its_own_reference(void **state)
 
 /* A node that is pushed by itself goes in without a force as the mesh is refined: the reference is
  * worth little, and it is not said that all is well. */
-static void a_scene_without_a_limit_is_called_one(void **state)
+TEST(a_scene_without_a_limit_is_called_one)
 {
     SKIP_WHERE_REPEATED();
     ss_accuracy_worth worth;
@@ -107,7 +102,7 @@ static void a_scene_without_a_limit_is_called_one(void **state)
 }
 
 /* The beam's end goes nearly to its support: fem settles, with elements turned inside out. */
-static void a_run_that_ends_degraded_makes_no_reference(void **state)
+TEST(a_run_that_ends_degraded_makes_no_reference)
 {
     ss_accuracy_worth worth;
     softsim_error error;
@@ -124,7 +119,7 @@ static void a_run_that_ends_degraded_makes_no_reference(void **state)
     assert_non_null(strstr(error.text, "no reference on 99 nodes at the full load: degraded"));
 }
 
-static void scenes_that_are_no_case_are_refused(void **state)
+TEST(scenes_that_are_no_case_are_refused)
 {
     static const struct {
         const char *model, *rest, *says;
@@ -154,11 +149,5 @@ static void scenes_that_are_no_case_are_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_scene_makes_its_own_reference),
-        cmocka_unit_test(a_scene_without_a_limit_is_called_one),
-        cmocka_unit_test(a_run_that_ends_degraded_makes_no_reference),
-        cmocka_unit_test(scenes_that_are_no_case_are_refused),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -6,12 +6,7 @@
  * escaped, temporary folders go with what is in them and nothing else, children are reaped with the
  * right status.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -37,7 +32,41 @@
 
 /* ---- samples ---- */
 
-static void quantiles_are_exact_samples(void **state)
+/* With a PATH in which there is nothing. First: it is said once a run. */
+TEST(a_report_without_gnuplot_says_so_before_and_after)
+{
+    char text[4096], kept_path[4096];
+    ss_page page;
+    ss_output script;
+    softsim_error error = {.status = SOFTSIM_OK};
+    const char *nested = in_folder("drawn");
+    assert_true(snprintf(kept_path, sizeof kept_path, "%s", getenv("PATH")) < 4096);
+    setenv("PATH", "/nowhere", 1);
+    int kept = divert(stderr, in_folder("before.txt"));
+    assert_int_equal(ss_report_make_folder(nested, &error), SOFTSIM_OK);
+    assert_int_equal(ss_report_make_folder(nested, &error), SOFTSIM_OK);
+    restore(stderr, kept);
+    assert_int_equal(ss_page_open(&page, nested, "page", "t", &error), SOFTSIM_OK);
+    assert_int_equal(ss_plot_open(&script, nested, "curve", &error), SOFTSIM_OK);
+    fputs("plot x\n", script.file);
+    assert_int_equal(ss_page_plot(&page, &script, "curve", "caption", &error), SOFTSIM_OK);
+    kept = divert(stderr, in_folder("after.txt"));
+    assert_int_equal(ss_page_close(&page, &error), SOFTSIM_OK);
+    restore(stderr, kept);
+    setenv("PATH", kept_path, 1);
+    read_text("before.txt", text, sizeof text);
+    char *first = strstr(text, "gnuplot is not installed");
+    assert_non_null(first);
+    assert_non_null(strstr(first, "install gnuplot"));
+    assert_null(strstr(first + 1, "gnuplot is not installed")); /* once */
+    read_text("after.txt", text, sizeof text);
+    assert_non_null(strstr(text, "warning: 1 picture is missing"));
+    unlink(in_folder("drawn/page.html"));
+    unlink(in_folder("drawn/curve.gp"));
+    rmdir(nested);
+}
+
+TEST(quantiles_are_exact_samples)
 {
     ss_samples samples;
     assert_true(ss_samples_init(&samples, 1000));
@@ -53,7 +82,7 @@ static void quantiles_are_exact_samples(void **state)
     ss_samples_fini(&samples);
 }
 
-static void samples_beyond_the_capacity_are_counted(void **state)
+TEST(samples_beyond_the_capacity_are_counted)
 {
     ss_samples samples;
     assert_true(ss_samples_init(&samples, 2));
@@ -68,7 +97,7 @@ static void samples_beyond_the_capacity_are_counted(void **state)
 
 /* ---- figures ---- */
 
-static void missed_periods_are_held_against_the_bare_loop(void **state)
+TEST(missed_periods_are_held_against_the_bare_loop)
 {
     assert_true(ss_figures_is_missed_good(10000, 10, 10000, 0));
     assert_false(ss_figures_is_missed_good(10000, 11, 10000, 0));
@@ -113,7 +142,7 @@ static void make_session(ss_session *session, ss_session_status status[STATUSES]
                                      .echo_us = echo};
 }
 
-static void figures_come_from_the_run_alone(void **state)
+TEST(figures_come_from_the_run_alone)
 {
     enum { TICKS = 26000 };
     static ss_bare_tick tick[TICKS];
@@ -142,7 +171,7 @@ static void figures_come_from_the_run_alone(void **state)
     ss_samples_fini(&echo);
 }
 
-static void sums_that_do_not_add_up_are_found(void **state)
+TEST(sums_that_do_not_add_up_are_found)
 {
     static ss_bare_tick tick[100];
     static ss_session_status status[STATUSES];
@@ -168,7 +197,7 @@ static void sums_that_do_not_add_up_are_found(void **state)
     ss_samples_fini(&echo);
 }
 
-static void only_first_answers_within_the_run_count(void **state)
+TEST(only_first_answers_within_the_run_count)
 {
     ss_session session = {.begin_ns = SECOND_NS, .end_ns = 2LL * SECOND_NS};
     ss_figures figures = {.window_count = 0};
@@ -194,7 +223,7 @@ static void only_first_answers_within_the_run_count(void **state)
 
 /* ---- what is read ---- */
 
-static void a_bridges_log_is_timed_by_its_ticks(void **state)
+TEST(a_bridges_log_is_timed_by_its_ticks)
 {
     ss_judge_log log;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -213,7 +242,7 @@ static void a_bridges_log_is_timed_by_its_ticks(void **state)
     assert_int_equal(ss_judge_run("test", path, 500.0, 1), 2);
 }
 
-static void bridge_arguments_are_read_without_a_shell(void **state)
+TEST(bridge_arguments_are_read_without_a_shell)
 {
     char value[64];
     const char *word[3];
@@ -239,7 +268,7 @@ static void bridge_arguments_are_read_without_a_shell(void **state)
 
 /* ---- what is written ---- */
 
-static void a_page_is_escaped_and_complete_or_not_there(void **state)
+TEST(a_page_is_escaped_and_complete_or_not_there)
 {
     static char text[65536];
     ss_page page;
@@ -282,41 +311,7 @@ static void a_page_is_escaped_and_complete_or_not_there(void **state)
     rmdir(in_folder("a"));
 }
 
-/* With a PATH in which there is nothing. */
-static void a_report_without_gnuplot_says_so_before_and_after(void **state)
-{
-    char text[4096], kept_path[4096];
-    ss_page page;
-    ss_output script;
-    softsim_error error = {.status = SOFTSIM_OK};
-    const char *nested = in_folder("drawn");
-    assert_true(snprintf(kept_path, sizeof kept_path, "%s", getenv("PATH")) < 4096);
-    setenv("PATH", "/nowhere", 1);
-    int kept = divert(stderr, in_folder("before.txt"));
-    assert_int_equal(ss_report_make_folder(nested, &error), SOFTSIM_OK);
-    assert_int_equal(ss_report_make_folder(nested, &error), SOFTSIM_OK);
-    restore(stderr, kept);
-    assert_int_equal(ss_page_open(&page, nested, "page", "t", &error), SOFTSIM_OK);
-    assert_int_equal(ss_plot_open(&script, nested, "curve", &error), SOFTSIM_OK);
-    fputs("plot x\n", script.file);
-    assert_int_equal(ss_page_plot(&page, &script, "curve", "caption", &error), SOFTSIM_OK);
-    kept = divert(stderr, in_folder("after.txt"));
-    assert_int_equal(ss_page_close(&page, &error), SOFTSIM_OK);
-    restore(stderr, kept);
-    setenv("PATH", kept_path, 1);
-    read_text("before.txt", text, sizeof text);
-    char *first = strstr(text, "gnuplot is not installed");
-    assert_non_null(first);
-    assert_non_null(strstr(first, "install gnuplot"));
-    assert_null(strstr(first + 1, "gnuplot is not installed")); /* once */
-    read_text("after.txt", text, sizeof text);
-    assert_non_null(strstr(text, "warning: 1 picture is missing"));
-    unlink(in_folder("drawn/page.html"));
-    unlink(in_folder("drawn/curve.gp"));
-    rmdir(nested);
-}
-
-static void a_csv_field_is_quoted_where_it_must_be(void **state)
+TEST(a_csv_field_is_quoted_where_it_must_be)
 {
     char text[128];
     FILE *file = open_file("quote.csv");
@@ -339,7 +334,7 @@ static void make_inner(const char *in, const char *name, bool is_folder)
 }
 
 /* No softsim-mesh is beside this test, so that every run is lost at once: its row is there. */
-static void a_row_of_the_ablation_has_the_columns_of_its_head(void **state)
+TEST(a_row_of_the_ablation_has_the_columns_of_its_head)
 {
     char out[128], *argv[] = {"softsim-bench ablation", "--out", out, NULL};
     ss_table table;
@@ -360,7 +355,7 @@ static void a_row_of_the_ablation_has_the_columns_of_its_head(void **state)
     ss_scratch_remove(out);
 }
 
-static void temporary_folders_go_with_what_is_in_them(void **state)
+TEST(temporary_folders_go_with_what_is_in_them)
 {
     char one[SS_SCRATCH_PATH], other[SS_SCRATCH_PATH], kept[SS_SCRATCH_PATH], link[512];
     softsim_error error = {.status = SOFTSIM_OK};
@@ -396,7 +391,7 @@ static void temporary_folders_go_with_what_is_in_them(void **state)
     unsetenv("TMPDIR");
 }
 
-static void temporary_folders_are_made_where_it_is_said_if_that_can_be(void **state)
+TEST(temporary_folders_are_made_where_it_is_said_if_that_can_be)
 {
     char path[SS_SCRATCH_PATH], far[2 * SS_SCRATCH_PATH] = "/tmp";
     softsim_error error = {.status = SOFTSIM_OK};
@@ -426,7 +421,7 @@ static int run(const char *const *argv, double timeout_s)
     return ss_child_run(&plan, timeout_s);
 }
 
-static void children_are_reaped_with_their_status(void **state)
+TEST(children_are_reaped_with_their_status)
 {
     static const char *const three[] = {"sh", "-c", "exit 3", NULL};
     static const char *const none[] = {"/nowhere/program", NULL};
@@ -454,7 +449,7 @@ static void children_are_reaped_with_their_status(void **state)
 }
 
 /* The speed of fem is measured on what was asked for, and its figures belong together. */
-static void speed_of_tetrahedra_adds_up(void **state)
+TEST(speed_of_tetrahedra_adds_up)
 {
     const ss_yardstick yardstick = {.fma_gflops = 100.0, .bandwidth_gb_s = 20.0};
     ss_fem_speed_case what = {.elements = 1500, .rounds = 3};
@@ -487,24 +482,5 @@ static int remove_files(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        /* First: it is said once a run. */
-        cmocka_unit_test(a_report_without_gnuplot_says_so_before_and_after),
-        cmocka_unit_test(quantiles_are_exact_samples),
-        cmocka_unit_test(samples_beyond_the_capacity_are_counted),
-        cmocka_unit_test(missed_periods_are_held_against_the_bare_loop),
-        cmocka_unit_test(figures_come_from_the_run_alone),
-        cmocka_unit_test(sums_that_do_not_add_up_are_found),
-        cmocka_unit_test(only_first_answers_within_the_run_count),
-        cmocka_unit_test(a_bridges_log_is_timed_by_its_ticks),
-        cmocka_unit_test(bridge_arguments_are_read_without_a_shell),
-        cmocka_unit_test(a_page_is_escaped_and_complete_or_not_there),
-        cmocka_unit_test(a_csv_field_is_quoted_where_it_must_be),
-        cmocka_unit_test(a_row_of_the_ablation_has_the_columns_of_its_head),
-        cmocka_unit_test(temporary_folders_go_with_what_is_in_them),
-        cmocka_unit_test(temporary_folders_are_made_where_it_is_said_if_that_can_be),
-        cmocka_unit_test(children_are_reaped_with_their_status),
-        cmocka_unit_test(speed_of_tetrahedra_adds_up),
-    };
-    return cmocka_run_group_tests_name("softsim.bench", tests, make_folder, remove_files);
+    return run_all_tests(make_folder, remove_files);
 }

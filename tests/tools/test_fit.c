@@ -6,12 +6,7 @@
  * depends on is told and left alone; bad curves, places and parameters are refused; the program
  * writes a scene that keeps the user's text.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -80,7 +75,7 @@ static ss_solve solve_law(law *l, double start0, double start1)
     return s;
 }
 
-static void two_unknowns_are_found_from_far_away(void **state)
+TEST(two_unknowns_are_found_from_far_away)
 {
     law l = {.p = {2.0, 3.0}};
     const ss_solve s = solve_law(&l, 0.02, 200.0);
@@ -92,7 +87,7 @@ static void two_unknowns_are_found_from_far_away(void **state)
     assert_true(s.spread[0] < 0.1 && s.spread[1] < 0.1);
 }
 
-static void a_product_is_told_as_a_combination(void **state)
+TEST(a_product_is_told_as_a_combination)
 {
     law l = {.p = {2.0, 3.0}, .is_product = true};
     const ss_solve s = solve_law(&l, 1.0, 1.0);
@@ -106,7 +101,7 @@ static void a_product_is_told_as_a_combination(void **state)
     assert_near(exp(s.x[0]), sqrt(6.0), 0.02);
 }
 
-static void an_unknown_without_effect_stays_and_has_a_range(void **state)
+TEST(an_unknown_without_effect_stays_and_has_a_range)
 {
     law l = {.p = {2.0, 1e-7}}; /* the cubic part is nowhere to be seen */
     const ss_solve s = solve_law(&l, 1.0, 1e-4);
@@ -119,7 +114,7 @@ static void an_unknown_without_effect_stays_and_has_a_range(void **state)
     assert_true(exp(s.high[1]) > 1e-3 && exp(s.high[1]) < 0.1);
 }
 
-static void an_answer_at_a_bound_is_told(void **state)
+TEST(an_answer_at_a_bound_is_told)
 {
     law l = {.p = {2.0, 3.0}};
     ss_solve s = {.n = 2,
@@ -139,7 +134,7 @@ static void an_answer_at_a_bound_is_told(void **state)
 
 /* ---- curves ---- */
 
-static void bad_curves_are_refused_with_their_line(void **state)
+TEST(bad_curves_are_refused_with_their_line)
 {
     static const struct {
         const char *text, *fault;
@@ -171,7 +166,7 @@ static void bad_curves_are_refused_with_their_line(void **state)
     assert_int_not_equal(ss_curve_read(in_folder("nowhere.csv"), &curve, &error), SOFTSIM_OK);
 }
 
-static void columns_may_stand_in_any_order(void **state)
+TEST(columns_may_stand_in_any_order)
 {
     ss_curve curve;
     error = (softsim_error){0};
@@ -267,7 +262,7 @@ static void gather(void *sink, const char *line)
     snprintf(text + strlen(text), 4096 - strlen(text), "%s\n", line);
 }
 
-static void parameters_come_back_from_their_own_curve(void **state)
+TEST(parameters_come_back_from_their_own_curve)
 {
     SKIP_WHERE_REPEATED();
     static ss_fit fit;
@@ -284,7 +279,7 @@ static void parameters_come_back_from_their_own_curve(void **state)
     ss_fit_fini(&fit);
 }
 
-static void a_parameter_that_no_force_depends_on_is_told(void **state)
+TEST(a_parameter_that_no_force_depends_on_is_told)
 {
     static ss_fit fit;
     char text[4096] = "";
@@ -302,7 +297,7 @@ static void a_parameter_that_no_force_depends_on_is_told(void **state)
     ss_fit_fini(&fit);
 }
 
-static void a_patch_and_a_relaxation_give_the_damping(void **state)
+TEST(a_patch_and_a_relaxation_give_the_damping)
 {
     static ss_fit fit;
     const char *truth[] = {"model.damping_n_s_per_m3=16000"};
@@ -316,7 +311,7 @@ static void a_patch_and_a_relaxation_give_the_damping(void **state)
 }
 
 /* A plate of links: the data of one without slack have no toe. */
-static void alpha_is_not_told_without_a_toe(void **state)
+TEST(alpha_is_not_told_without_a_toe)
 {
     static ss_fit fit;
     char text[4096] = "";
@@ -344,7 +339,7 @@ static void alpha_is_not_told_without_a_toe(void **state)
     ss_fit_fini(&fit);
 }
 
-static void the_press_is_where_and_as_it_is_said_to_be(void **state)
+TEST(the_press_is_where_and_as_it_is_said_to_be)
 {
     const char *set[] = {tool};
     const ss_press_scene scene = {in_folder("plate.yaml"), set, 1};
@@ -385,7 +380,7 @@ static void the_press_is_where_and_as_it_is_said_to_be(void **state)
     assert_non_null(strstr(error.text, "cannot be reached"));
 }
 
-static void parameters_are_chosen_and_checked(void **state)
+TEST(parameters_are_chosen_and_checked)
 {
     ss_fit_parameter p[SS_FIT_MAX_PARAMETERS];
     const char *path = in_folder("plate.yaml");
@@ -418,7 +413,7 @@ static void parameters_are_chosen_and_checked(void **state)
     }
 }
 
-static void regions_are_fitted_by_entry(void **state)
+TEST(regions_are_fitted_by_entry)
 {
     ss_fit_parameter p[SS_FIT_MAX_PARAMETERS];
     const char *set[] = {
@@ -431,7 +426,7 @@ static void regions_are_fitted_by_entry(void **state)
 }
 
 /* Two halves of different stiffness, each pressed in its own middle, fitted together. */
-static void two_curves_tell_two_regions(void **state)
+TEST(two_curves_tell_two_regions)
 {
     SKIP_WHERE_REPEATED();
     static ss_fit fit;
@@ -485,7 +480,7 @@ static int run_program(const char *const *argument)
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
-static void the_program_writes_the_scene_with_its_origin(void **state)
+TEST(the_program_writes_the_scene_with_its_origin)
 {
     char text[8192], told[4096];
     const char *truth[] = {tool, "model.modulus_j=11"};
@@ -516,7 +511,7 @@ static void the_program_writes_the_scene_with_its_origin(void **state)
     assert_ptr_equal(strstr(text, "curve,at,force_n,fitted_n\n0,0.002,"), text);
 }
 
-static void the_program_refuses_what_is_wrong(void **state)
+TEST(the_program_refuses_what_is_wrong)
 {
     char told[4096];
     write_text("bad.csv", "depth_m,force_n\n");
@@ -552,7 +547,7 @@ static void the_program_refuses_what_is_wrong(void **state)
     assert_int_equal(run_program(help), 0);
 }
 
-static void a_reference_case_is_fitted_level_by_level(void **state)
+TEST(a_reference_case_is_fitted_level_by_level)
 {
     SKIP_WHERE_REPEATED();
     char told[4096], text[8192];
@@ -612,24 +607,5 @@ static int make_plate(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(two_unknowns_are_found_from_far_away),
-        cmocka_unit_test(a_product_is_told_as_a_combination),
-        cmocka_unit_test(an_unknown_without_effect_stays_and_has_a_range),
-        cmocka_unit_test(an_answer_at_a_bound_is_told),
-        cmocka_unit_test(bad_curves_are_refused_with_their_line),
-        cmocka_unit_test(columns_may_stand_in_any_order),
-        cmocka_unit_test(the_press_is_where_and_as_it_is_said_to_be),
-        cmocka_unit_test(parameters_are_chosen_and_checked),
-        cmocka_unit_test(regions_are_fitted_by_entry),
-        cmocka_unit_test(parameters_come_back_from_their_own_curve),
-        cmocka_unit_test(a_parameter_that_no_force_depends_on_is_told),
-        cmocka_unit_test(a_patch_and_a_relaxation_give_the_damping),
-        cmocka_unit_test(two_curves_tell_two_regions),
-        cmocka_unit_test(alpha_is_not_told_without_a_toe),
-        cmocka_unit_test(the_program_writes_the_scene_with_its_origin),
-        cmocka_unit_test(the_program_refuses_what_is_wrong),
-        cmocka_unit_test(a_reference_case_is_fitted_level_by_level),
-    };
-    return cmocka_run_group_tests(tests, make_plate, remove_folder);
+    return run_all_tests(make_plate, remove_folder);
 }

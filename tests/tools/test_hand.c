@@ -4,12 +4,7 @@
  * bench/stability/hand: what a hand got is judged from poses and forces alone. The judge finds the
  * energy of closed forms and of planted defects, and agrees with the program's own watch.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 
@@ -46,7 +41,7 @@ static ss_hand_account judge_track(const track *of)
 /* A lossless spring K that is sampled hands out K D d in a press to D and back in n steps of d to
  * what holds its force at once, all of K D^2 where one step is the whole way; 3 (1 - 1/n) times as
  * much to what holds it an answer later; nothing to what goes evenly. */
-static void a_sampled_spring_hands_out_what_its_steps_leave(void **state)
+TEST(a_sampled_spring_hands_out_what_its_steps_leave)
 {
     static track t;
     const double stiffness = 500.0, depth = 0.008;
@@ -66,7 +61,7 @@ static void a_sampled_spring_hands_out_what_its_steps_leave(void **state)
 }
 
 /* A torque works on the shorter way round; contacts that follow within 20 ms are one. */
-static void torque_works_and_what_chatters_is_one_contact(void **state)
+TEST(torque_works_and_what_chatters_is_one_contact)
 {
     static track t;
     const double torque = 0.2, angle = 0.1;
@@ -124,7 +119,7 @@ static void make_press(planted what, track *out)
     }
 }
 
-static void what_makes_energy_is_found(void **state)
+TEST(what_makes_energy_is_found)
 {
     static track t;
     const double work = 0.5 * 500.0 * 0.01 * 0.01; /* 25 mJ */
@@ -144,7 +139,7 @@ static void what_makes_energy_is_found(void **state)
 }
 
 /* What was stored while a tool was let in is the hand's to get, and no more. */
-static void what_was_let_in_does_not_drive(void **state)
+TEST(what_was_let_in_does_not_drive)
 {
     static track t;
     for (int is_let_in = 0; is_let_in < 2; ++is_let_in) {
@@ -165,7 +160,7 @@ static void what_was_let_in_does_not_drive(void **state)
 /* The watch, tick by tick, and the judge, from the whole track, are two programs: on random tracks
  * the watch tells of nothing that the judge does not find, and misses nothing that a device which
  * holds its forces is handed. */
-static void the_watch_and_the_judge_agree_on_random_tracks(void **state)
+TEST(the_watch_and_the_judge_agree_on_random_tracks)
 {
     static track t;
     int32_t told_runs = 0, quiet_runs = 0;
@@ -199,12 +194,5 @@ static void the_watch_and_the_judge_agree_on_random_tracks(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sampled_spring_hands_out_what_its_steps_leave),
-        cmocka_unit_test(torque_works_and_what_chatters_is_one_contact),
-        cmocka_unit_test(what_makes_energy_is_found),
-        cmocka_unit_test(what_was_let_in_does_not_drive),
-        cmocka_unit_test(the_watch_and_the_judge_agree_on_random_tracks),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

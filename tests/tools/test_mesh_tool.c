@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* softsim-mesh info, check, convert and tetrahedralize. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <math.h>
 #include <sys/stat.h>
 
@@ -113,7 +109,7 @@ static const struct {
      "edges of more than two triangles: 1 (at node 1)"},
 };
 
-static void each_fault_has_its_count_numbers_and_exit_status(void **state)
+TEST(each_fault_has_its_count_numbers_and_exit_status)
 {
     for (int32_t i = 0; i < COUNT(faults); ++i) {
         char command[256];
@@ -132,7 +128,7 @@ static void each_fault_has_its_count_numbers_and_exit_status(void **state)
     }
 }
 
-static void lengths_are_the_files_own_unless_units_are_given(void **state)
+TEST(lengths_are_the_files_own_unless_units_are_given)
 {
     char out[8192];
     write_text("two.obj",
@@ -165,7 +161,7 @@ static double number_after(const char *text, const char *word)
     return strtod(at + strlen(word), NULL);
 }
 
-static void each_model_tells_its_stable_step_and_memory(void **state)
+TEST(each_model_tells_its_stable_step_and_memory)
 {
     char out[8192];
     double bytes[2];
@@ -196,7 +192,7 @@ static void each_model_tells_its_stable_step_and_memory(void **state)
 
 /* ---- convert ---- */
 
-static void formats_and_units_are_converted(void **state)
+TEST(formats_and_units_are_converted)
 {
     char out[4096];
     write_text("good.obj", CUBE_V CUBE_F);
@@ -218,7 +214,7 @@ static void formats_and_units_are_converted(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void repair_tells_each_change_and_what_comes_out_is_good(void **state)
+TEST(repair_tells_each_change_and_what_comes_out_is_good)
 {
     char out[4096];
     /* Kuhn's six of a cube, two inverted; node 9 loose, 10 on top of 1; the third is there twice.
@@ -245,7 +241,7 @@ static void repair_tells_each_change_and_what_comes_out_is_good(void **state)
     assert_int_equal(run(TOOL "check same.msh", out, sizeof out), 2);
 }
 
-static void repair_tells_what_it_leaves(void **state)
+TEST(repair_tells_what_it_leaves)
 {
     char out[4096];
     /* A pyramid without its base, one side twice. */
@@ -260,7 +256,7 @@ static void repair_tells_what_it_leaves(void **state)
 }
 
 /* The help names the groups that are written, and no others. */
-static void help_names_the_groups_of_each_shape(void **state)
+TEST(help_names_the_groups_of_each_shape)
 {
     static const char *const shapes[] = {"kidney",     "liver", "ellipsoid", "ventricle",
                                          "ellipsoids", "block", "beam",      "cylinder"};
@@ -287,7 +283,7 @@ static void help_names_the_groups_of_each_shape(void **state)
     }
 }
 
-static void the_input_is_replaced_only_when_asked(void **state)
+TEST(the_input_is_replaced_only_when_asked)
 {
     char out[4096];
     write_text("mine.obj", CUBE_V CUBE_F);
@@ -321,7 +317,7 @@ static void the_input_is_replaced_only_when_asked(void **state)
 /* ---- tetrahedralize ---- */
 
 /* With a program of that name, or none, on the path. */
-static void tetgen_that_is_missing_or_fails_is_one_error(void **state)
+TEST(tetgen_that_is_missing_or_fails_is_one_error)
 {
     char out[4096];
     write_text("good.obj", CUBE_V CUBE_F);
@@ -368,7 +364,7 @@ static void tetgen_that_is_missing_or_fails_is_one_error(void **state)
     }
 }
 
-static void a_kidney_is_filled_and_its_surface_keeps_its_numbers(void **state)
+TEST(a_kidney_is_filled_and_its_surface_keeps_its_numbers)
 {
     char out[4096];
     if (run("command -v tetgen", out, sizeof out) != 0) {
@@ -400,7 +396,7 @@ static void a_kidney_is_filled_and_its_surface_keeps_its_numbers(void **state)
     ss_mesh_destroy(&volume);
 }
 
-static void cavities_stay_hollow(void **state)
+TEST(cavities_stay_hollow)
 {
     char out[4096];
     if (run("command -v tetgen", out, sizeof out) != 0) {
@@ -426,18 +422,5 @@ static void cavities_stay_hollow(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_fault_has_its_count_numbers_and_exit_status),
-        cmocka_unit_test(lengths_are_the_files_own_unless_units_are_given),
-        cmocka_unit_test(each_model_tells_its_stable_step_and_memory),
-        cmocka_unit_test(formats_and_units_are_converted),
-        cmocka_unit_test(repair_tells_each_change_and_what_comes_out_is_good),
-        cmocka_unit_test(repair_tells_what_it_leaves),
-        cmocka_unit_test(help_names_the_groups_of_each_shape),
-        cmocka_unit_test(the_input_is_replaced_only_when_asked),
-        cmocka_unit_test(tetgen_that_is_missing_or_fails_is_one_error),
-        cmocka_unit_test(a_kidney_is_filled_and_its_surface_keeps_its_numbers),
-        cmocka_unit_test(cavities_stay_hollow),
-    };
-    return cmocka_run_group_tests_name("softsim.mesh_tool", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

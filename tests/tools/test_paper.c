@@ -6,12 +6,7 @@
  * be solved by hand, and the program gives the same; pictures and pages hold what they are given;
  * wrong arguments are refused.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -45,7 +40,7 @@ static void start(void)
 
 /* ---- claims ---- */
 
-static void claims_pass_within_their_bounds_only(void **state)
+TEST(claims_pass_within_their_bounds_only)
 {
     start();
     const double none = (double)NAN;
@@ -68,7 +63,7 @@ static void claims_pass_within_their_bounds_only(void **state)
     assert_int_equal(ss_paper_count(&paper, SS_CLAIM_DIFFERS), 1);
 }
 
-static void the_list_of_claims_is_bounded(void **state)
+TEST(the_list_of_claims_is_bounded)
 {
     start();
     for (int k = 0; k < SS_PAPER_MAX_CLAIMS + 10; ++k) {
@@ -79,7 +74,7 @@ static void the_list_of_claims_is_bounded(void **state)
     assert_int_equal(paper.missing_count, SS_PAPER_MAX_MISSING);
 }
 
-static void claims_are_written_with_tolerance_and_source(void **state)
+TEST(claims_are_written_with_tolerance_and_source)
 {
     char text[2048];
     start();
@@ -97,7 +92,7 @@ static void claims_are_written_with_tolerance_and_source(void **state)
         "zhong2006,eq. 27,small,at most 1,2,,closed form,fail\n");
 }
 
-static void claims_write_no_share_of_zero_and_thousands_in_full(void **state)
+TEST(claims_write_no_share_of_zero_and_thousands_in_full)
 {
     start();
     ss_claim_near(&paper, "Fig. 4", SS_FROM_CLOSED_FORM, 0.0, 0.0, 0.02, "still");
@@ -111,7 +106,7 @@ static void claims_write_no_share_of_zero_and_thousands_in_full(void **state)
     assert_string_equal(paper.claim[2].measured, "5.551e-16");
 }
 
-static void the_closing_note_names_what_does_not_pass_with_its_search(void **state)
+TEST(the_closing_note_names_what_does_not_pass_with_its_search)
 {
     char text[8192];
     start();
@@ -133,7 +128,7 @@ static void the_closing_note_names_what_does_not_pass_with_its_search(void **sta
     assert_null(strstr(text, "search one"));
 }
 
-static void the_page_shows_each_claim_once(void **state)
+TEST(the_page_shows_each_claim_once)
 {
     char text[8192];
     start();
@@ -171,7 +166,7 @@ static softsim_status stops(ss_paper *of, softsim_error *fault)
     return SOFTSIM_ERROR_SYSTEM;
 }
 
-static void sections_run_in_order_up_to_the_first_that_fails(void **state)
+TEST(sections_run_in_order_up_to_the_first_that_fails)
 {
     static const ss_paper_section sections[] = {
         {"One", works, 1.0}, {"Two", works, 2.0}, {"Three", stops, 4.0}, {"Four", works, 8.0}};
@@ -236,7 +231,7 @@ static ss_zhong_net *make_hexagon(int32_t triangle[6][3], double rho)
     return net;
 }
 
-static void a_hexagon_is_as_solved_by_hand(void **state)
+TEST(a_hexagon_is_as_solved_by_hand)
 {
     int32_t triangle[6][3];
     ss_zhong_net *net = make_hexagon(triangle, 0.05);
@@ -265,7 +260,7 @@ static void a_hexagon_is_as_solved_by_hand(void **state)
 }
 
 /* At its bound the cell's current is K/ghat: z = F/(ks + 6 rho K/h^2). */
-static void a_bounded_hexagon_is_as_solved_by_hand(void **state)
+TEST(a_bounded_hexagon_is_as_solved_by_hand)
 {
     int32_t triangle[6][3];
     const double rho = 0.05, bound = 0.2;
@@ -287,7 +282,7 @@ static void a_bounded_hexagon_is_as_solved_by_hand(void **state)
 
 /* In a regular tetrahedron the face between two cells stands across their edge, so that areas times
  * lengths add up to three volumes. */
-static void a_tetrahedron_parts_its_volume_among_cells_and_faces(void **state)
+TEST(a_tetrahedron_parts_its_volume_among_cells_and_faces)
 {
     static const double position[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
     static const int32_t tetrahedron[1][4] = {{0, 1, 2, 3}};
@@ -305,7 +300,7 @@ static void a_tetrahedron_parts_its_volume_among_cells_and_faces(void **state)
     ss_zhong_net_destroy(&net);
 }
 
-static void a_tube_has_the_printed_coefficients(void **state)
+TEST(a_tube_has_the_printed_coefficients)
 {
     /* Rings at uneven heights; across twice as much. */
     static const double height[4] = {0.0, 0.5, 0.8, 1.6};
@@ -338,7 +333,7 @@ static void a_tube_has_the_printed_coefficients(void **state)
     ss_zhong_net_destroy(&net);
 }
 
-static void the_direction_counts_on_triangles(void **state)
+TEST(the_direction_counts_on_triangles)
 {
     static const double position[4][3] = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {1, 0, 1}};
     static const int32_t triangle[2][3] = {{0, 2, 1}, {2, 3, 1}};
@@ -357,7 +352,7 @@ static void the_direction_counts_on_triangles(void **state)
     ss_zhong_net_destroy(&plain);
 }
 
-static void an_indefinite_matrix_is_refused(void **state)
+TEST(an_indefinite_matrix_is_refused)
 {
     double good[4] = {4.0, 0.0, 2.0, 3.0}, b[4] = {2.0, 1.0, 8.0, 8.0};
     double bad[4] = {1.0, 0.0, 2.0, 1.0};
@@ -371,7 +366,7 @@ static void an_indefinite_matrix_is_refused(void **state)
 
 /* ---- laws ---- */
 
-static void hookes_law_is_the_isotropic_one_where_moduli_agree(void **state)
+TEST(hookes_law_is_the_isotropic_one_where_moduli_agree)
 {
     double c[6][6];
     const double young = 60.0, nu = 0.3;
@@ -408,7 +403,7 @@ static double hexagon_depth(ss_zhong_source source, double force, double ks, dou
     return depth;
 }
 
-static void the_closure_returns_and_the_work_of_the_force_cancels(void **state)
+TEST(the_closure_returns_and_the_work_of_the_force_cancels)
 {
     SKIP_WHERE_REPEATED();
     double left;
@@ -430,7 +425,7 @@ static void the_closure_returns_and_the_work_of_the_force_cancels(void **state)
 
 /* ---- the program ---- */
 
-static void what_the_program_refuses_is_told(void **state)
+TEST(what_the_program_refuses_is_told)
 {
     ss_trial_body body;
     char reason[256];
@@ -442,7 +437,7 @@ static void what_the_program_refuses_is_told(void **state)
     assert_null(strstr(reason, "scene.yaml"));
 }
 
-static void the_program_bends_the_cylinder_as_the_second_code_does(void **state)
+TEST(the_program_bends_the_cylinder_as_the_second_code_does)
 {
     SKIP_WHERE_REPEATED();
     static ss_tube tube;
@@ -467,7 +462,7 @@ static void the_program_bends_the_cylinder_as_the_second_code_does(void **state)
 
 /* ---- pictures ---- */
 
-static void faces_are_drawn_from_far_to_near(void **state)
+TEST(faces_are_drawn_from_far_to_near)
 {
     static const double rest[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                       {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
@@ -513,7 +508,7 @@ static int run_quietly(int argc, char **argv)
     return result;
 }
 
-static void wrong_arguments_are_refused(void **state)
+TEST(wrong_arguments_are_refused)
 {
     char program[] = "softsim-bench paper", unknown[] = "zhong2007", known[] = "zhong2006";
     char *none[] = {program, NULL}, *wrong[] = {program, unknown, NULL};
@@ -527,26 +522,5 @@ static void wrong_arguments_are_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(claims_pass_within_their_bounds_only),
-        cmocka_unit_test(the_list_of_claims_is_bounded),
-        cmocka_unit_test(claims_are_written_with_tolerance_and_source),
-        cmocka_unit_test(claims_write_no_share_of_zero_and_thousands_in_full),
-        cmocka_unit_test(the_closing_note_names_what_does_not_pass_with_its_search),
-        cmocka_unit_test(the_page_shows_each_claim_once),
-        cmocka_unit_test(sections_run_in_order_up_to_the_first_that_fails),
-        cmocka_unit_test(a_hexagon_is_as_solved_by_hand),
-        cmocka_unit_test(a_bounded_hexagon_is_as_solved_by_hand),
-        cmocka_unit_test(a_tetrahedron_parts_its_volume_among_cells_and_faces),
-        cmocka_unit_test(a_tube_has_the_printed_coefficients),
-        cmocka_unit_test(the_direction_counts_on_triangles),
-        cmocka_unit_test(an_indefinite_matrix_is_refused),
-        cmocka_unit_test(hookes_law_is_the_isotropic_one_where_moduli_agree),
-        cmocka_unit_test(the_closure_returns_and_the_work_of_the_force_cancels),
-        cmocka_unit_test(what_the_program_refuses_is_told),
-        cmocka_unit_test(the_program_bends_the_cylinder_as_the_second_code_does),
-        cmocka_unit_test(faces_are_drawn_from_far_to_near),
-        cmocka_unit_test(wrong_arguments_are_refused),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

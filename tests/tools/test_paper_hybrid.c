@@ -6,12 +6,7 @@
  * stable step that is one, and a ball that is pushed as much as the tissue; of the section on the
  * pair curve no claim fails or differs.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <string.h>
@@ -72,7 +67,7 @@ static double elastic_now(void)
 }
 
 /* P of a confined stretch by s, by hand: (lambda + 2 mu)/2 s (s^2 - 1). */
-static void a_confined_stretch_is_as_by_hand(void **state)
+TEST(a_confined_stretch_is_as_by_hand)
 {
     static const double stretch[3] = {0.8, 1.2, 1.5}, wanted[3] = {-1.512, 2.772, 9.84375};
     for (int k = 0; k < 3; ++k) {
@@ -90,7 +85,7 @@ static void a_confined_stretch_is_as_by_hand(void **state)
     }
 }
 
-static void a_rigid_motion_costs_nothing(void **state)
+TEST(a_rigid_motion_costs_nothing)
 {
     start();
     reference.phi = reference.psi = 1.0;
@@ -109,7 +104,7 @@ static void a_rigid_motion_costs_nothing(void **state)
 }
 
 /* Also where the guard of squeezed elements acts. */
-static void forces_are_the_slope_of_the_energy(void **state)
+TEST(forces_are_the_slope_of_the_energy)
 {
     for (int guarded = 0; guarded < 2; ++guarded) {
         start();
@@ -135,7 +130,7 @@ static void forces_are_the_slope_of_the_energy(void **state)
 }
 
 /* Below the step that it names a free body's small motion stays, above it does not. */
-static void the_stable_step_is_one(void **state)
+TEST(the_stable_step_is_one)
 {
     for (int k = 0; k < 2; ++k) {
         double step;
@@ -155,7 +150,7 @@ static void the_stable_step_is_one(void **state)
     }
 }
 
-static void a_ball_is_pushed_as_much_as_the_tissue(void **state)
+TEST(a_ball_is_pushed_as_much_as_the_tissue)
 {
     start();
     reference.radius = 0.5;
@@ -177,7 +172,7 @@ static void a_ball_is_pushed_as_much_as_the_tissue(void **state)
 
 /* ---- a section of the report ---- */
 
-static void the_pair_curve_is_the_printed_one(void **state)
+TEST(the_pair_curve_is_the_printed_one)
 {
     static ss_paper paper;
     softsim_error error = {.status = SOFTSIM_OK};
@@ -198,13 +193,5 @@ static void the_pair_curve_is_the_printed_one(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_confined_stretch_is_as_by_hand),
-        cmocka_unit_test(a_rigid_motion_costs_nothing),
-        cmocka_unit_test(forces_are_the_slope_of_the_energy),
-        cmocka_unit_test(the_stable_step_is_one),
-        cmocka_unit_test(a_ball_is_pushed_as_much_as_the_tissue),
-        cmocka_unit_test(the_pair_curve_is_the_printed_one),
-    };
-    return cmocka_run_group_tests(tests, make_cube, free_cube);
+    return run_all_tests(make_cube, free_cube);
 }

@@ -7,12 +7,7 @@
  * program refuses; the model's forces on the plane, of one tissue and of two, are the reference
  * network's.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -39,7 +34,7 @@ static ss_mesh *make_pair(void)
     return mesh;
 }
 
-static void distances_are_relative_and_weighted(void **state)
+TEST(distances_are_relative_and_weighted)
 {
     const double u[2][3] = {{3, 0, 0}, {0, 4, 0}}, v[2][3] = {{3, 4, 0}, {0, 4, 3}};
     const double weight[2] = {1.0, 3.0};
@@ -48,7 +43,7 @@ static void distances_are_relative_and_weighted(void **state)
     assert_near(ss_zhang_distance(2, v, v, weight), 0.0, 0.0);
 }
 
-static void volumes_are_shared_and_inversions_counted(void **state)
+TEST(volumes_are_shared_and_inversions_counted)
 {
     ss_mesh *mesh = make_pair();
     double volume[5], u[5][3] = {{0.0}};
@@ -64,7 +59,7 @@ static void volumes_are_shared_and_inversions_counted(void **state)
     ss_mesh_destroy(&mesh);
 }
 
-static void roughness_is_what_neighbours_do_not_do(void **state)
+TEST(roughness_is_what_neighbours_do_not_do)
 {
     ss_mesh *mesh = make_pair();
     const uint8_t fixed[5] = {7, 7, 7, 0, 7};
@@ -96,7 +91,7 @@ static ss_zhang_setup network(void)
         .step_s = 0.25};
 }
 
-static void refusals_are_told(void **state)
+TEST(refusals_are_told)
 {
     ss_zhang_run run;
     ss_zhang_setup setup = network();
@@ -121,7 +116,7 @@ static void refusals_are_told(void **state)
     ss_zhang_end(&run); /* twice does no harm */
 }
 
-static void the_patch_goes_in_and_comes_back(void **state)
+TEST(the_patch_goes_in_and_comes_back)
 {
     static double u[SS_PLANE_NODES][3];
     ss_zhang_run run;
@@ -168,7 +163,7 @@ static void start_link(ss_zhang_reference *reference, bool is_one_fixed)
 
 /* ex_n = ex_0 (1 - h/C)^n of two free nodes, (1 - h/2C)^n where one is fixed, stretched or
  * squeezed; a slack link does nothing. */
-static void a_link_relaxes_as_worked_out_by_hand(void **state)
+TEST(a_link_relaxes_as_worked_out_by_hand)
 {
     static const double length[3] = {1.6, 0.4, 1.05}, end[3] = {1.1, 0.9, 1.05};
     for (int k = 0; k < 6; ++k) {
@@ -191,7 +186,7 @@ static void a_link_relaxes_as_worked_out_by_hand(void **state)
     }
 }
 
-static void the_own_network_settles_to_one_force_by_two_algorithms(void **state)
+TEST(the_own_network_settles_to_one_force_by_two_algorithms)
 {
     SKIP_WHERE_REPEATED();
     ss_zhang_reference slow, quick;
@@ -211,7 +206,7 @@ static void the_own_network_settles_to_one_force_by_two_algorithms(void **state)
 }
 
 /* The first link of a pushed row is brought to (1 + alpha) along itself, the others after it. */
-static void a_row_of_chainmail_follows_link_by_link(void **state)
+TEST(a_row_of_chainmail_follows_link_by_link)
 {
     double at[4][2];
     ss_zhang_reference_row(4, 0.1, 0.4, 1, at);
@@ -252,7 +247,7 @@ static void compare(const ss_zhang_setup *setup, const double *stiffness_of)
     ss_zhang_end(&run);
 }
 
-static void forces_are_those_of_the_own_network(void **state)
+TEST(forces_are_those_of_the_own_network)
 {
     if (!ss_zhang_has("cnn-chainmail")) {
         skip();
@@ -261,7 +256,7 @@ static void forces_are_those_of_the_own_network(void **state)
     compare(&setup, NULL);
 }
 
-static void two_tissues_are_those_of_the_own_network(void **state)
+TEST(two_tissues_are_those_of_the_own_network)
 {
     static double stiffness[SS_PLANE_NODES];
     if (!ss_zhang_has("cnn-chainmail")) {
@@ -278,7 +273,7 @@ static void two_tissues_are_those_of_the_own_network(void **state)
 }
 
 /* The section of the report: three claims, of which none is known to fail. */
-static void the_section_on_two_tissues_passes(void **state)
+TEST(the_section_on_two_tissues_passes)
 {
     static ss_paper paper;
     static ss_zhang zhang;
@@ -315,18 +310,5 @@ static int free_plane(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(distances_are_relative_and_weighted),
-        cmocka_unit_test(volumes_are_shared_and_inversions_counted),
-        cmocka_unit_test(roughness_is_what_neighbours_do_not_do),
-        cmocka_unit_test(refusals_are_told),
-        cmocka_unit_test(the_patch_goes_in_and_comes_back),
-        cmocka_unit_test(a_link_relaxes_as_worked_out_by_hand),
-        cmocka_unit_test(the_own_network_settles_to_one_force_by_two_algorithms),
-        cmocka_unit_test(a_row_of_chainmail_follows_link_by_link),
-        cmocka_unit_test(forces_are_those_of_the_own_network),
-        cmocka_unit_test(two_tissues_are_those_of_the_own_network),
-        cmocka_unit_test(the_section_on_two_tissues_passes),
-    };
-    return cmocka_run_group_tests(tests, make_plane, free_plane);
+    return run_all_tests(make_plane, free_plane);
 }

@@ -6,12 +6,7 @@
  * is that of a direct solve, and the direct solve is worth comparing with: where the answer is
  * known in closed form it finds it, from anywhere, and what is wrong in it shows.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -44,7 +39,7 @@ static bool begins(const char *text, const char *with)
     return strncmp(text, with, strlen(with)) == 0;
 }
 
-static void every_row_has_a_time_and_names_its_solver(void **state)
+TEST(every_row_has_a_time_and_names_its_solver)
 {
     SKIP_WHERE_REPEATED();
     char command[512], path[128];
@@ -99,7 +94,7 @@ static double highest(const ss_body_run *run)
     return length;
 }
 
-static void fields_are_those_of_a_direct_solve(void **state)
+TEST(fields_are_those_of_a_direct_solve)
 {
     SKIP_WHERE_REPEATED();
     ss_body body;
@@ -127,7 +122,7 @@ static void fields_are_those_of_a_direct_solve(void **state)
 }
 
 /* A direct solve that fails leaves its reason, and the run as it was. */
-static void a_missing_direct_solve_is_told(void **state)
+TEST(a_missing_direct_solve_is_told)
 {
     ss_body body;
     ss_body_run run;
@@ -198,7 +193,7 @@ static double fan_height(const fan *f, double start)
     return u[0][2];
 }
 
-static void a_direct_solve_finds_the_known_answer(void **state)
+TEST(a_direct_solve_finds_the_known_answer)
 {
     fan f;
     make_fan(&f);
@@ -230,7 +225,7 @@ static void a_direct_solve_finds_the_known_answer(void **state)
     assert_true(fabs(fan_height(&f, z) - z) > FIELD_TOLERANCE * z);
 }
 
-static void a_direct_solve_says_what_it_cannot_do(void **state)
+TEST(a_direct_solve_says_what_it_cannot_do)
 {
     fan f;
     make_fan(&f);
@@ -248,12 +243,5 @@ static void a_direct_solve_says_what_it_cannot_do(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_direct_solve_finds_the_known_answer),
-        cmocka_unit_test(a_direct_solve_says_what_it_cannot_do),
-        cmocka_unit_test(every_row_has_a_time_and_names_its_solver),
-        cmocka_unit_test(fields_are_those_of_a_direct_solve),
-        cmocka_unit_test(a_missing_direct_solve_is_told),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Planted signals give known metrics. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,7 +63,7 @@ static double tapping(double t)
     return 1e-3 * sin(16.0 * SS_PI * t);
 }
 
-static void quiet_press_is_good_in_all(void **state)
+TEST(quiet_press_is_good_in_all)
 {
     plant(still, 0);
     judge();
@@ -85,7 +81,7 @@ static void quiet_press_is_good_in_all(void **state)
 
 /* A contact is half a period of w = 2 pi: F = K a sin(w(t - tau)) against x over tau .. tau + 1/2
  * s, sums in closed form. */
-static void delay_hands_out_the_closed_form(void **state)
+TEST(delay_hands_out_the_closed_form)
 {
     for (int delay = 2; delay <= 10; delay += 4) {
         plant(poke, delay);
@@ -99,7 +95,7 @@ static void delay_hands_out_the_closed_form(void **state)
 }
 
 /* 0.2 mm at 40 Hz; its force through two first-order stages at 30 Hz: (40/30)^2/(1 + (40/30)^2). */
-static void chatter_and_buzz_are_found(void **state)
+TEST(chatter_and_buzz_are_found)
 {
     plant(shaking, 0);
     judge();
@@ -111,7 +107,7 @@ static void chatter_and_buzz_are_found(void **state)
     assert_int_equal(felt.buzz.verdict, SS_FELT_FAIR);
 }
 
-static void steps_break_continuity(void **state)
+TEST(steps_break_continuity)
 {
     plant(still, 0);
     for (int i = 0; i < ROWS; ++i) {
@@ -122,7 +118,7 @@ static void steps_break_continuity(void **state)
     assert_int_equal(felt.continuity.verdict, SS_FELT_BAD);
 }
 
-static void bounces_are_counted(void **state)
+TEST(bounces_are_counted)
 {
     plant(tapping, 0);
     judge();
@@ -131,7 +127,7 @@ static void bounces_are_counted(void **state)
     assert_int_equal(felt.bounces.verdict, SS_FELT_BAD);
 }
 
-static void age_and_prediction_are_read(void **state)
+TEST(age_and_prediction_are_read)
 {
     plant(still, 0);
     for (int i = 0; i < ROWS; ++i) {
@@ -144,7 +140,7 @@ static void age_and_prediction_are_read(void **state)
     assert_int_equal(felt.age_p99_us.verdict, SS_FELT_BAD);
 }
 
-static void free_motion_gets_no_verdict(void **state)
+TEST(free_motion_gets_no_verdict)
 {
     plant(poke, 0);
     for (int i = 0; i < ROWS; ++i) {
@@ -158,7 +154,7 @@ static void free_motion_gets_no_verdict(void **state)
     assert_string_equal(ss_felt_verdict_name(felt.buzz.verdict), "-");
 }
 
-static void bad_logs_are_refused(void **state)
+TEST(bad_logs_are_refused)
 {
     const ss_felt_options options = {0};
     plant(still, 0);
@@ -172,15 +168,5 @@ static void bad_logs_are_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(quiet_press_is_good_in_all),
-        cmocka_unit_test(delay_hands_out_the_closed_form),
-        cmocka_unit_test(chatter_and_buzz_are_found),
-        cmocka_unit_test(steps_break_continuity),
-        cmocka_unit_test(bounces_are_counted),
-        cmocka_unit_test(age_and_prediction_are_read),
-        cmocka_unit_test(free_motion_gets_no_verdict),
-        cmocka_unit_test(bad_logs_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

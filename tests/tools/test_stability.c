@@ -6,12 +6,7 @@
  * when it declares what was found; every run is listed once; and runs of the models that are built
  * in end as they must.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -39,7 +34,7 @@ static double volume_of(const ss_specimen *s, int32_t t)
     return ss_dot3(normal, edge[2]) / 6.0;
 }
 
-static void the_specimen_is_a_mesh_at_every_flatness(void **state)
+TEST(the_specimen_is_a_mesh_at_every_flatness)
 {
     static ss_specimen s;
     double whole = 0.0, regular = 1.0;
@@ -63,7 +58,7 @@ static void the_specimen_is_a_mesh_at_every_flatness(void **state)
     assert_int_equal(surface, 98);
 }
 
-static void inverted_elements_are_counted(void **state)
+TEST(inverted_elements_are_counted)
 {
     static ss_specimen s;
     static double u[SS_SPECIMEN_NODES][3];
@@ -131,7 +126,7 @@ static uint32_t audit_spring(defect what, bool has_work, bool is_rested)
     return ss_audit_end(&audit, is_rested);
 }
 
-static void the_audit_finds_what_is_wrong_and_nothing_else(void **state)
+TEST(the_audit_finds_what_is_wrong_and_nothing_else)
 {
     static const struct {
         defect what;
@@ -154,7 +149,7 @@ static void the_audit_finds_what_is_wrong_and_nothing_else(void **state)
     assert_int_equal(audit_spring(STAYS, true, false), 0);
 }
 
-static void a_verdict_agrees_when_it_owns_up(void **state)
+TEST(a_verdict_agrees_when_it_owns_up)
 {
     assert_true(ss_audit_agrees(0, SOFTSIM_VERDICT_GOOD));
     assert_true(ss_audit_agrees(0, SOFTSIM_VERDICT_FAULT));
@@ -182,7 +177,7 @@ static int compare_text(const void *a, const void *b)
     return strcmp(a, b);
 }
 
-static void every_model_of_the_program_is_tried(void **state)
+TEST(every_model_of_the_program_is_tried)
 {
     int32_t models = 0;
     const ss_model_class *const *table = ss_model_table(&models);
@@ -195,7 +190,7 @@ static void every_model_of_the_program_is_tried(void **state)
     }
 }
 
-static void every_run_is_listed_once(void **state)
+TEST(every_run_is_listed_once)
 {
     static const char *const all[] = {NULL};
     ss_stability list, quick;
@@ -217,7 +212,7 @@ static void every_run_is_listed_once(void **state)
     ss_stability_list_fini(&quick);
 }
 
-static void what_a_run_leaves_is_read_back(void **state)
+TEST(what_a_run_leaves_is_read_back)
 {
     char good[] = "1 2 9 0 3\nwhat acted\na,b,c\n", silent[] = "0 0 0 1 0\n\nd,e\n";
     char lost[] = "crashed: Killed";
@@ -254,7 +249,7 @@ static ss_stress_case_result run_of(int32_t subject, ss_stress_case_kind kind, d
     return result;
 }
 
-static void a_light_load_is_stable_and_its_work_adds_up(void **state)
+TEST(a_light_load_is_stable_and_its_work_adds_up)
 {
     for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
         const ss_stress_case_result r = run_of(s, SS_STRESS_CASE_CONTROL, 1e4, 0.0, 0);
@@ -268,7 +263,7 @@ static void a_light_load_is_stable_and_its_work_adds_up(void **state)
 }
 
 /* A report whose controls are all refused has shown nothing. */
-static void what_must_be_stable_may_not_be_refused(void **state)
+TEST(what_must_be_stable_may_not_be_refused)
 {
     const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_CONTROL, 1e40, 0.0, 0);
     assert_int_equal(r.outcome, SS_STRESS_CASE_REFUSED);
@@ -276,14 +271,14 @@ static void what_must_be_stable_may_not_be_refused(void **state)
 }
 
 /* What a body does does not depend on its stiffness, hence neither does what is said of it. */
-static void a_soft_body_owns_up_as_a_stiff_one_does(void **state)
+TEST(a_soft_body_owns_up_as_a_stiff_one_does)
 {
     for (double stiffness = 1.0; stiffness < 1e5; stiffness *= 1e2) {
         assert_true(run_of(0, SS_STRESS_CASE_STEP, stiffness, 2.0, 0).is_agreed);
     }
 }
 
-static void contradictions_are_refused_by_name(void **state)
+TEST(contradictions_are_refused_by_name)
 {
     const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_CONTRADICTION, 1e4, 0.0, 2);
     assert_int_equal(r.outcome, SS_STRESS_CASE_REFUSED);
@@ -291,7 +286,7 @@ static void contradictions_are_refused_by_name(void **state)
     assert_null(strstr(r.acted, folder));
 }
 
-static void a_teleport_is_refused_by_the_gate_and_said(void **state)
+TEST(a_teleport_is_refused_by_the_gate_and_said)
 {
     const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_TELEPORT, 1e6, 1.0, 0);
     assert_int_equal(r.outcome, SS_STRESS_CASE_GUARDED);
@@ -312,7 +307,7 @@ static int32_t count_commas(const char *line)
 }
 
 /* The report has a row for every run, lost ones too, with every column of its head. */
-static void every_run_has_a_row_with_every_column(void **state)
+TEST(every_run_has_a_row_with_every_column)
 {
     ss_stress_case stress_case[] = {{0, SS_STRESS_CASE_CONTRADICTION, 1e4, 0.0, 3},
                                     {0, SS_STRESS_CASE_FLATTENED, 1e4, 0.5, 1},
@@ -362,20 +357,5 @@ static int remove_report(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_specimen_is_a_mesh_at_every_flatness),
-        cmocka_unit_test(inverted_elements_are_counted),
-        cmocka_unit_test(the_audit_finds_what_is_wrong_and_nothing_else),
-        cmocka_unit_test(a_verdict_agrees_when_it_owns_up),
-        cmocka_unit_test(every_model_of_the_program_is_tried),
-        cmocka_unit_test(every_run_is_listed_once),
-        cmocka_unit_test(what_a_run_leaves_is_read_back),
-        cmocka_unit_test(a_light_load_is_stable_and_its_work_adds_up),
-        cmocka_unit_test(what_must_be_stable_may_not_be_refused),
-        cmocka_unit_test(a_soft_body_owns_up_as_a_stiff_one_does),
-        cmocka_unit_test(contradictions_are_refused_by_name),
-        cmocka_unit_test(a_teleport_is_refused_by_the_gate_and_said),
-        cmocka_unit_test(every_run_has_a_row_with_every_column),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_report);
+    return run_all_tests(make_folder, remove_report);
 }

@@ -5,12 +5,7 @@
  * another program's linear tetrahedra reach on the reference problems, to the digits given there;
  * reactions balance the loads; bodies that nothing holds and laws that are none are refused.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -145,14 +140,14 @@ static void test_rows(const char *mesh, const char *poisson, int every)
     fclose(file);
 }
 
-static void stretches_as_the_closed_form(void **state)
+TEST(stretches_as_the_closed_form)
 {
     test_rows("a_uniaxial/mesh_8.msh", "0.3", 1);
     test_rows("a_uniaxial/mesh_8.msh", "0.45", 2);
     test_rows("a_uniaxial/mesh_8.msh", "0.49", 2);
 }
 
-static void passes_the_patch_test(void **state)
+TEST(passes_the_patch_test)
 {
     test_rows("a_uniaxial/mesh_125.msh", "0.45", 16);
 }
@@ -219,7 +214,7 @@ static void slab_at(ss_tissue_kind kind, double depth, const char *csv, const ch
     body_fini(&b);
 }
 
-static void indents_the_slab_as_the_floor_says(void **state)
+TEST(indents_the_slab_as_the_floor_says)
 {
     slab_at(SS_TISSUE_LINEAR, 0.001, "c_slab/reference_u_linear_300.csv", "1mm", 14.706, 12.451,
             0.67366);
@@ -229,7 +224,7 @@ static void indents_the_slab_as_the_floor_says(void **state)
             11.352);
 }
 
-static void bends_the_beam_as_the_floor_says(void **state)
+TEST(bends_the_beam_as_the_floor_says)
 {
     static const struct {
         ss_tissue_kind kind;
@@ -278,7 +273,7 @@ static int32_t find_pressed(const body *b, const char *name, int32_t (*out)[3])
     return count;
 }
 
-static void inflates_the_ventricle_as_the_floor_says(void **state)
+TEST(inflates_the_ventricle_as_the_floor_says)
 {
     body b;
     body_init(&b, "e_ventricle/mesh_400.msh", SS_TISSUE_NEO_HOOKEAN, 3e4, 0.45);
@@ -299,7 +294,7 @@ static void inflates_the_ventricle_as_the_floor_says(void **state)
 
 /* ---- the rest ---- */
 
-static void follows_the_stiffness_of_each_element(void **state)
+TEST(follows_the_stiffness_of_each_element)
 {
     body soft, hard;
     body_init(&soft, "a_uniaxial/mesh_125.msh", SS_TISSUE_LINEAR, 1e4, 0.3);
@@ -324,7 +319,7 @@ static void follows_the_stiffness_of_each_element(void **state)
     body_fini(&hard);
 }
 
-static void goes_on_from_an_equilibrium(void **state)
+TEST(goes_on_from_an_equilibrium)
 {
     body b;
     vector *further = calloc(8, sizeof *further);
@@ -354,7 +349,7 @@ static void goes_on_from_an_equilibrium(void **state)
     body_fini(&b);
 }
 
-static void linear_call_is_the_linear_law(void **state)
+TEST(linear_call_is_the_linear_law)
 {
     body b;
     body_init(&b, "a_uniaxial/mesh_125.msh", SS_TISSUE_LINEAR, 2e3, 0.4);
@@ -374,7 +369,7 @@ static void linear_call_is_the_linear_law(void **state)
     body_fini(&b);
 }
 
-static void refuses_what_has_no_answer(void **state)
+TEST(refuses_what_has_no_answer)
 {
     body b;
     body_init(&b, "a_uniaxial/mesh_8.msh", SS_TISSUE_LINEAR, 1e4, 0.3);
@@ -394,16 +389,5 @@ static void refuses_what_has_no_answer(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(stretches_as_the_closed_form),
-        cmocka_unit_test(passes_the_patch_test),
-        cmocka_unit_test(indents_the_slab_as_the_floor_says),
-        cmocka_unit_test(bends_the_beam_as_the_floor_says),
-        cmocka_unit_test(inflates_the_ventricle_as_the_floor_says),
-        cmocka_unit_test(follows_the_stiffness_of_each_element),
-        cmocka_unit_test(goes_on_from_an_equilibrium),
-        cmocka_unit_test(linear_call_is_the_linear_law),
-        cmocka_unit_test(refuses_what_has_no_answer),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -5,12 +5,7 @@
  * an error and a time-out lose one run each; a sweep that was killed, also in the middle of a
  * record, goes on without doing again what it has; parts of another sweep are refused.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -133,7 +128,7 @@ static void execute(const deed *what, int32_t jobs, ss_sweep_result *result)
     }
 }
 
-static void every_run_is_done_once_whatever_the_jobs(void **state)
+TEST(every_run_is_done_once_whatever_the_jobs)
 {
     for (int32_t jobs = 1; jobs <= 5; jobs += 2) {
         ss_sweep_result result;
@@ -148,7 +143,7 @@ static void every_run_is_done_once_whatever_the_jobs(void **state)
     }
 }
 
-static void a_lost_run_is_a_result_with_its_reason(void **state)
+TEST(a_lost_run_is_a_result_with_its_reason)
 {
     static const deed bad = {.salt = "bad", .is_bad = true};
     ss_sweep_result result;
@@ -172,7 +167,7 @@ static void a_lost_run_is_a_result_with_its_reason(void **state)
     ss_sweep_result_fini(&result);
 }
 
-static void a_killed_sweep_goes_on(void **state)
+TEST(a_killed_sweep_goes_on)
 {
     static const deed slow = {.salt = "slow", .pause_us = 20000};
     ss_sweep_result result;
@@ -199,7 +194,7 @@ static void a_killed_sweep_goes_on(void **state)
 }
 
 /* As a terminal does it: to the sweep and to its runs at once. */
-static void an_interrupted_sweep_loses_no_run(void **state)
+TEST(an_interrupted_sweep_loses_no_run)
 {
     static const deed slow = {.salt = "slow", .pause_us = 20000};
     ss_sweep_result result;
@@ -226,7 +221,7 @@ static void an_interrupted_sweep_loses_no_run(void **state)
     ss_sweep_result_fini(&result);
 }
 
-static void a_torn_record_is_run_again(void **state)
+TEST(a_torn_record_is_run_again)
 {
     ss_sweep_result result;
     struct stat whole;
@@ -260,7 +255,7 @@ static void a_torn_record_is_run_again(void **state)
     ss_sweep_result_fini(&result);
 }
 
-static void another_sweep_is_refused(void **state)
+TEST(another_sweep_is_refused)
 {
     static const deed other = {.salt = "other"};
     ss_sweep_result result;
@@ -275,7 +270,7 @@ static void another_sweep_is_refused(void **state)
     ss_sweep_result_fini(&result);
 }
 
-static void parts_are_removed_only_when_all_is_done(void **state)
+TEST(parts_are_removed_only_when_all_is_done)
 {
     ss_sweep_result result;
     const char *path = in_folder("test.0.part");
@@ -314,7 +309,7 @@ static pid_t start_rank(const deed *what, int rank)
     return pid;
 }
 
-static void ranks_share_the_runs(void **state)
+TEST(ranks_share_the_runs)
 {
     remove_all();
     pid_t pid[3];
@@ -338,7 +333,7 @@ static void ranks_share_the_runs(void **state)
     ss_sweep_result_fini(&result);
 }
 
-static void rank_0_waits_for_ranks_that_have_not_begun(void **state)
+TEST(rank_0_waits_for_ranks_that_have_not_begun)
 {
     remove_all();
     const pid_t first = start_rank(&good, 0);
@@ -361,16 +356,5 @@ static int remove_sweep(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_run_is_done_once_whatever_the_jobs),
-        cmocka_unit_test(a_lost_run_is_a_result_with_its_reason),
-        cmocka_unit_test(a_killed_sweep_goes_on),
-        cmocka_unit_test(an_interrupted_sweep_loses_no_run),
-        cmocka_unit_test(a_torn_record_is_run_again),
-        cmocka_unit_test(another_sweep_is_refused),
-        cmocka_unit_test(parts_are_removed_only_when_all_is_done),
-        cmocka_unit_test(ranks_share_the_runs),
-        cmocka_unit_test(rank_0_waits_for_ranks_that_have_not_begun),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_sweep);
+    return run_all_tests(make_folder, remove_sweep);
 }

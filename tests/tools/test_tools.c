@@ -5,12 +5,7 @@
  * another output, whatever it is called; and what is doubtful is told. Pipes, full disks and what
  * is recorded: test_tools_files.c.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <fcntl.h>
 #include <glob.h>
@@ -32,7 +27,7 @@ static const char two_tools[] = "softsim: 1\n"
 
 #define CASE SOURCE_DIR "/tests/reference/b_cantilever"
 
-static void no_output_is_an_input_or_another_output(void **state)
+TEST(no_output_is_an_input_or_another_output)
 {
     static const struct {
         const char *program, *options, *says;
@@ -107,7 +102,7 @@ static void no_output_is_an_input_or_another_output(void **state)
 }
 
 /* Pictures of a run of a picture of a run, in one folder. */
-static void a_picture_never_replaces_the_mesh(void **state)
+TEST(a_picture_never_replaces_the_mesh)
 {
     char out[16384], before[16384];
     assert_int_equal(mkdir(in_folder("pictures"), 0777), 0);
@@ -129,7 +124,7 @@ static void a_picture_never_replaces_the_mesh(void **state)
     assert_string_equal(out, before);
 }
 
-static void what_an_option_cannot_do_is_refused(void **state)
+TEST(what_an_option_cannot_do_is_refused)
 {
     static const struct {
         const char *options, *says;
@@ -154,7 +149,7 @@ static void what_an_option_cannot_do_is_refused(void **state)
 }
 
 /* What cannot be written is found out before anything is done. */
-static void an_output_that_cannot_be_opened_starts_nothing(void **state)
+TEST(an_output_that_cannot_be_opened_starts_nothing)
 {
     static const struct {
         const char *program, *options;
@@ -190,7 +185,7 @@ static void an_output_that_cannot_be_opened_starts_nothing(void **state)
 }
 
 /* Half a metre at once, and a probe that has no tool. */
-static void a_run_says_why_poses_were_refused(void **state)
+TEST(a_run_says_why_poses_were_refused)
 {
     char out[4096];
     write_inputs();
@@ -218,7 +213,7 @@ static double json_number(const char *json, const char *name)
 }
 
 /* What a fem plan counts of contact is little, and none without a tool. */
-static void the_estimate_says_what_of_it_is_contact(void **state)
+TEST(the_estimate_says_what_of_it_is_contact)
 {
     char out[16384];
     write_inputs();
@@ -240,7 +235,7 @@ static void the_estimate_says_what_of_it_is_contact(void **state)
 
 /* --check tells what makes a scene that is valid one to regret, and by its status: 0 good, 1 usable
  * with warnings, 2 unusable. */
-static void what_a_model_doubts_is_told(void **state)
+TEST(what_a_model_doubts_is_told)
 {
     static const struct {
         const char *set, *doubt;
@@ -273,7 +268,7 @@ static void what_a_model_doubts_is_told(void **state)
 }
 
 /* --check tells that layer.max_active may bind, with how many particles; not where it cannot. */
-static void a_cap_on_particles_that_may_bind_is_told(void **state)
+TEST(a_cap_on_particles_that_may_bind_is_told)
 {
     SKIP_WHERE_REPEATED();
     char out[4096], command[512];
@@ -290,7 +285,7 @@ static void a_cap_on_particles_that_may_bind_is_told(void **state)
 
 /* A log of two probes takes a tick for each pose, as in the daemon's lockstep: tools that moved at
  * once move in turn. It is said, and not of a log of one. */
-static void a_log_of_two_probes_is_told_to_play_slower(void **state)
+TEST(a_log_of_two_probes_is_told_to_play_slower)
 {
     enum { TICKS = 200 };
     char out[8192];
@@ -362,7 +357,7 @@ static void run_fit_on_terminal(char *out, size_t size)
     close(terminal);
 }
 
-static void a_fit_shows_that_it_works_before_its_first_evaluation(void **state)
+TEST(a_fit_shows_that_it_works_before_its_first_evaluation)
 {
     char out[4096];
     if (!has_program("softsim-fit")) {
@@ -376,7 +371,7 @@ static void a_fit_shows_that_it_works_before_its_first_evaluation(void **state)
 }
 
 /* Played to nobody, it would end well. */
-static void a_log_without_poses_is_refused(void **state)
+TEST(a_log_without_poses_is_refused)
 {
     char out[4096];
     softsim_error error = {.status = SOFTSIM_OK};
@@ -392,7 +387,7 @@ static void a_log_without_poses_is_refused(void **state)
 }
 
 /* Not endless, and not the default. */
-static void a_duration_of_nothing_is_refused(void **state)
+TEST(a_duration_of_nothing_is_refused)
 {
     static const char *const started[] = {"softsimd --duration 0 scene.yaml",
                                           "softsim-run --duration 0 scene.yaml",
@@ -409,7 +404,7 @@ static void a_duration_of_nothing_is_refused(void **state)
 }
 
 /* A press of 10 mm is told as one, beside what the tool is still ahead of the surface. */
-static void a_press_of_ten_millimetres_reads_as_one(void **state)
+TEST(a_press_of_ten_millimetres_reads_as_one)
 {
     SKIP_WHERE_REPEATED();
     char out[4096];
@@ -441,7 +436,7 @@ static void a_press_of_ten_millimetres_reads_as_one(void **state)
 }
 
 /* Every column of every CSV stands in the --help of the program that writes it. */
-static void help_explains_every_column(void **state)
+TEST(help_explains_every_column)
 {
     static const struct {
         const char *program, *columns;
@@ -475,21 +470,5 @@ static void help_explains_every_column(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_output_is_an_input_or_another_output),
-        cmocka_unit_test(a_picture_never_replaces_the_mesh),
-        cmocka_unit_test(a_fit_shows_that_it_works_before_its_first_evaluation),
-        cmocka_unit_test(a_log_of_two_probes_is_told_to_play_slower),
-        cmocka_unit_test(what_an_option_cannot_do_is_refused),
-        cmocka_unit_test(an_output_that_cannot_be_opened_starts_nothing),
-        cmocka_unit_test(a_run_says_why_poses_were_refused),
-        cmocka_unit_test(the_estimate_says_what_of_it_is_contact),
-        cmocka_unit_test(a_cap_on_particles_that_may_bind_is_told),
-        cmocka_unit_test(what_a_model_doubts_is_told),
-        cmocka_unit_test(a_log_without_poses_is_refused),
-        cmocka_unit_test(a_duration_of_nothing_is_refused),
-        cmocka_unit_test(a_press_of_ten_millimetres_reads_as_one),
-        cmocka_unit_test(help_explains_every_column),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

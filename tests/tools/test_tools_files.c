@@ -4,18 +4,13 @@
  * The programs that need no server, and what is not a file: pipes, closed descriptors, full disks;
  * what a run that is stopped leaves.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "input_fixture.h"
 
 /* ---- what is not a file, and none left ---- */
 
-static void a_full_disk_ends_a_run(void **state)
+TEST(a_full_disk_ends_a_run)
 {
     char out[4096];
     write_inputs();
@@ -30,7 +25,7 @@ static void a_full_disk_ends_a_run(void **state)
 }
 
 /* A shell has opened the file behind /dev/fd/N: it is written there, before what is printed. */
-static void standard_output_may_be_a_file(void **state)
+TEST(standard_output_may_be_a_file)
 {
     char out[4096], text[4096];
     write_inputs();
@@ -52,7 +47,7 @@ static void standard_output_may_be_a_file(void **state)
     assert_non_null(strstr(text, "\n2,0.002,0,"));
 }
 
-static void devices_may_be_written_twice(void **state)
+TEST(devices_may_be_written_twice)
 {
     char out[4096];
     write_inputs();
@@ -63,7 +58,7 @@ static void devices_may_be_written_twice(void **state)
 }
 
 /* A pipe without a writer would keep a program waiting without end. */
-static void a_pipe_is_refused_as_any_input(void **state)
+TEST(a_pipe_is_refused_as_any_input)
 {
     static const struct {
         const char *program, *options;
@@ -113,7 +108,7 @@ static void a_pipe_is_refused_as_any_input(void **state)
 /* Opening one waits for a reader; a device may do something. What a shell has opened is another
  * matter. */
 /* By hand too; the other programs put their own name before it. */
-static void the_importer_says_its_name_and_the_file(void **state)
+TEST(the_importer_says_its_name_and_the_file)
 {
     static const struct {
         const char *name, *text, *says;
@@ -143,7 +138,7 @@ static void the_importer_says_its_name_and_the_file(void **state)
     }
 }
 
-static void a_pipe_is_refused_as_any_output(void **state)
+TEST(a_pipe_is_refused_as_any_output)
 {
     static const struct {
         const char *program, *options, *says;
@@ -194,7 +189,7 @@ static const char *const programs[] = {"softsimd",       "softsim-run",     "sof
                                        "softsim-mesh",   "softsim-import",  "softsim-bench"};
 enum { PROGRAM_COUNT = sizeof programs / sizeof *programs };
 
-static void help_that_gets_nowhere_is_a_failure(void **state)
+TEST(help_that_gets_nowhere_is_a_failure)
 {
     char out[4096], command[256];
     for (int i = 0; i < PROGRAM_COUNT; ++i) {
@@ -216,7 +211,7 @@ static void help_that_gets_nowhere_is_a_failure(void **state)
     }
 }
 
-static void a_hash_that_gets_nowhere_is_a_failure(void **state)
+TEST(a_hash_that_gets_nowhere_is_a_failure)
 {
     char out[4096];
     write_inputs();
@@ -230,7 +225,7 @@ static void a_hash_that_gets_nowhere_is_a_failure(void **state)
 }
 
 /* LCM would blame the network for it. */
-static void too_few_descriptors_are_named(void **state)
+TEST(too_few_descriptors_are_named)
 {
     static const char *const started[] = {"softsim-bridge --device sim --ticks 5",
                                           "softsim-monitor --once", "softsim-replay poses.csv",
@@ -256,7 +251,7 @@ static void too_few_descriptors_are_named(void **state)
 
 /* What is said has no room: the pipe is full, and who holds its other end does not read. Under the
  * limit a run that waits for it ends by a signal. */
-static void a_reader_who_stalls_holds_up_no_run(void **state)
+TEST(a_reader_who_stalls_holds_up_no_run)
 {
     char out[1024];
     assert_int_equal(run("mkfifo stalled && exec 3<>stalled && "
@@ -270,7 +265,7 @@ static void a_reader_who_stalls_holds_up_no_run(void **state)
     assert_string_equal(out + 16, "\n1201\n");
 }
 
-static void a_full_disk_leaves_the_rows_of_a_run(void **state)
+TEST(a_full_disk_leaves_the_rows_of_a_run)
 {
     char out[4096];
     write_inputs();
@@ -291,7 +286,7 @@ static void a_full_disk_leaves_the_rows_of_a_run(void **state)
 }
 
 /* A result is written in pieces: the first that finds no room says why, whichever it is. */
-static void a_full_disk_is_named_by_each_result(void **state)
+TEST(a_full_disk_is_named_by_each_result)
 {
     static const struct {
         const char *program, *options, *says;
@@ -325,7 +320,7 @@ static void a_full_disk_is_named_by_each_result(void **state)
 }
 
 /* Neither a killed shell nor Ctrl-C: the program's own end, which closes and names the files. */
-static void a_stopped_run_leaves_its_rows(void **state)
+TEST(a_stopped_run_leaves_its_rows)
 {
     char out[4096];
     write_inputs();
@@ -348,20 +343,5 @@ static void a_stopped_run_leaves_its_rows(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_full_disk_ends_a_run),
-        cmocka_unit_test(standard_output_may_be_a_file),
-        cmocka_unit_test(devices_may_be_written_twice),
-        cmocka_unit_test(a_pipe_is_refused_as_any_input),
-        cmocka_unit_test(the_importer_says_its_name_and_the_file),
-        cmocka_unit_test(a_pipe_is_refused_as_any_output),
-        cmocka_unit_test(help_that_gets_nowhere_is_a_failure),
-        cmocka_unit_test(a_hash_that_gets_nowhere_is_a_failure),
-        cmocka_unit_test(too_few_descriptors_are_named),
-        cmocka_unit_test(a_reader_who_stalls_holds_up_no_run),
-        cmocka_unit_test(a_full_disk_leaves_the_rows_of_a_run),
-        cmocka_unit_test(a_full_disk_is_named_by_each_result),
-        cmocka_unit_test(a_stopped_run_leaves_its_rows),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -4,12 +4,7 @@
  * Tools that no careful hand holds: a step slower than time takes them a share of their way, and
  * says where they stand; every model that hands out energy says so.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -52,7 +47,7 @@ static softsim_state shake(ss_world *world, int32_t ticks, double amplitude, dou
 
 /* Before, the whole way was travelled in the part of the time for which there were sub-steps. No
  * hand that is limited to L does more than L times the body's length in one push. */
-static void a_step_slower_than_time_does_not_fling_the_tool(void **state)
+TEST(a_step_slower_than_time_does_not_fling_the_tool)
 {
     static const char *const set[] = {"simulation.max_substeps=8"};
     ss_world *world = make_scene(KIDNEY, set, 1);
@@ -98,7 +93,7 @@ static int32_t follow_slow_steps(ss_world *world, double x, double y, double dow
 
 /* The share is travelled, the rest in the next steps, and the haptic loop is told of that place:
  * the kidney with few sub-steps, and a stiff block of every model with one. */
-static void the_haptic_loop_is_told_where_a_slow_step_left_the_tool(void **state)
+TEST(the_haptic_loop_is_told_where_a_slow_step_left_the_tool)
 {
     SKIP_WHERE_REPEATED();
     static const char *const set[] = {"simulation.max_substeps=3"};
@@ -121,7 +116,7 @@ static void the_haptic_loop_is_told_where_a_slow_step_left_the_tool(void **state
 }
 
 /* Under pause nothing moves, and nothing is flung when it goes on. */
-static void a_paused_tool_stays_where_it_is(void **state)
+TEST(a_paused_tool_stays_where_it_is)
 {
     ss_world *world = make_scene(KIDNEY, NULL, 0);
     const ss_world_probe *probe = &world->probe[0];
@@ -160,7 +155,7 @@ static void a_paused_tool_stays_where_it_is(void **state)
 
 /* A tracker that throws the tool about: the model's energy balance calls it work, but no hand does
  * it. */
-static void energy_that_no_hand_has_stops_the_tissue(void **state)
+TEST(energy_that_no_hand_has_stops_the_tissue)
 {
     ss_world *world = make_scene(KIDNEY, NULL, 0);
     ss_command_record record;
@@ -235,7 +230,7 @@ static void a_fault_ends_by_itself(ss_world *world, const double hold[3], const 
     }
 }
 
-static void every_fault_ends_by_itself(void **state)
+TEST(every_fault_ends_by_itself)
 {
     (void)state;
     static ss_stress_case_plan plan; /* large */
@@ -259,7 +254,7 @@ static void every_fault_ends_by_itself(void **state)
 
 /* A tracker that jitters, at three depths: what is shaken is told, and is at rest again when the
  * tool is gone. No reset is needed. */
-static void a_jittering_tracker_stops_nothing(void **state)
+TEST(a_jittering_tracker_stops_nothing)
 {
     (void)state;
     static const double lower[] = {0.0, 0.003, 0.005};
@@ -299,7 +294,7 @@ static ss_stress_case_result abuse(int32_t subject, ss_stress_case_kind kind, do
     return result;
 }
 
-static void what_hands_out_energy_is_not_called_good(void **state)
+TEST(what_hands_out_energy_is_not_called_good)
 {
     static const struct {
         ss_stress_case_kind kind;
@@ -331,7 +326,7 @@ static void what_hands_out_energy_is_not_called_good(void **state)
 
 /* Parts of a contact hand out more than was stored, which the contact as a whole swallowed before:
  * a sphere that is drawn across at 10 m/s, a box that turns ten times a second. */
-static void what_a_part_of_a_contact_makes_is_not_called_good(void **state)
+TEST(what_a_part_of_a_contact_makes_is_not_called_good)
 {
     SKIP_WHERE_REPEATED();
     static const ss_stress_case_kind kind[] = {SS_STRESS_CASE_THROUGH, SS_STRESS_CASE_SPIN};
@@ -356,7 +351,7 @@ static void what_a_part_of_a_contact_makes_is_not_called_good(void **state)
 
 /* No model hands out anything in a slow press, whatever is allowed to one that is shaken: at most
  * what steps of 0.2 mm leave. */
-static void a_slow_press_hands_out_nothing(void **state)
+TEST(a_slow_press_hands_out_nothing)
 {
     const int32_t count = FULL_IN_RELEASE(ss_stress_case_subject_count(), 1);
     for (int32_t s = 0; s < count; ++s) {
@@ -372,7 +367,7 @@ static void a_slow_press_hands_out_nothing(void **state)
 
 /* A tool that turns a hundred times a second does not whirl through the tissue: it turns as fast as
  * a hand could, the shorter way. */
-static void a_tool_turns_no_faster_than_a_hand(void **state)
+TEST(a_tool_turns_no_faster_than_a_hand)
 {
     static ss_stress_case_plan plan; /* large */
     const ss_stress_case trial = {0, SS_STRESS_CASE_SPIN, 1e5, 100.0, 0};
@@ -403,17 +398,5 @@ static void a_tool_turns_no_faster_than_a_hand(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_step_slower_than_time_does_not_fling_the_tool),
-        cmocka_unit_test(the_haptic_loop_is_told_where_a_slow_step_left_the_tool),
-        cmocka_unit_test(a_paused_tool_stays_where_it_is),
-        cmocka_unit_test(every_fault_ends_by_itself),
-        cmocka_unit_test(a_jittering_tracker_stops_nothing),
-        cmocka_unit_test(energy_that_no_hand_has_stops_the_tissue),
-        cmocka_unit_test(what_hands_out_energy_is_not_called_good),
-        cmocka_unit_test(what_a_part_of_a_contact_makes_is_not_called_good),
-        cmocka_unit_test(a_slow_press_hands_out_nothing),
-        cmocka_unit_test(a_tool_turns_no_faster_than_a_hand),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

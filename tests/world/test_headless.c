@@ -2,9 +2,10 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The headless world on the bundled kidney: entry, two tools, the energy balance, the schedule. */
 #include "common/effort.h"
+#include "common/test.h"
 #include "kidney_fixture.h"
 
-static void an_organ_is_felt_and_comes_back(void **state)
+TEST(an_organ_is_felt_and_comes_back)
 {
     SKIP_WHERE_REPEATED();
     softsim_world *world = make_world(1, NULL, 0);
@@ -21,7 +22,7 @@ static void an_organ_is_felt_and_comes_back(void **state)
 }
 
 /* Two spheres that meet, part and cross each other's dents: nothing comes from nowhere. */
-static void two_tools_close_together_keep_the_energy_balance(void **state)
+TEST(two_tools_close_together_keep_the_energy_balance)
 {
     SKIP_WHERE_REPEATED();
     softsim_world *world = make_world(1, NULL, 0);
@@ -50,7 +51,7 @@ static void two_tools_close_together_keep_the_energy_balance(void **state)
 }
 
 /* Found 10 mm inside, the tool is let in by fading: no force at first, then that of the place. */
-static void a_tool_found_inside_is_let_in_over_half_a_second(void **state)
+TEST(a_tool_found_inside_is_let_in_over_half_a_second)
 {
     SKIP_WHERE_REPEATED();
     softsim_world *world = make_world(1, NULL, 0);
@@ -75,7 +76,7 @@ static void a_tool_found_inside_is_let_in_over_half_a_second(void **state)
 }
 
 /* In lockstep a result is taken exactly one simulation period after its pose. */
-static void results_come_one_period_late(void **state)
+TEST(results_come_one_period_late)
 {
     static const char *const rate[] = {"simulation.rate_hz=100"};
     softsim_world *world = make_world(1, rate, 1);
@@ -95,7 +96,7 @@ static void results_come_one_period_late(void **state)
 
 /* Its share of the energy is rounding there, whose gain once had sub-steps repeated: eleven a step,
  * longer than the step's own time. The bound asks for one to three. */
-static void a_tool_that_stands_beside_the_body_repeats_no_substep(void **state)
+TEST(a_tool_that_stands_beside_the_body_repeats_no_substep)
 {
     for (double gap = 0.0; gap < 0.003; gap += 0.0004) {
         softsim_world *world = make_world(1, NULL, 0);
@@ -114,7 +115,7 @@ static void a_tool_that_stands_beside_the_body_repeats_no_substep(void **state)
 }
 
 /* The worst verdict is that of the steps, not of those that happened to be read. */
-static void the_worst_verdict_needs_no_reading(void **state)
+TEST(the_worst_verdict_needs_no_reading)
 {
     SKIP_WHERE_REPEATED();
     softsim_world *watched = make_world(1, NULL, 0);
@@ -150,7 +151,7 @@ static void the_worst_verdict_needs_no_reading(void **state)
 }
 
 /* So light that a tick takes some dozens of sub-steps. Without a clock to meet it gets them. */
-static void a_run_without_a_clock_has_no_budget(void **state)
+TEST(a_run_without_a_clock_has_no_budget)
 {
     static const char *const set[3][3] = {
         {"model.area_density_kg_m2=1e-3", "model.damping_n_s_per_m3=10",
@@ -192,7 +193,7 @@ static void a_run_without_a_clock_has_no_budget(void **state)
     assert_non_null(strstr(s[2].worst_reason, "max_substeps"));
 }
 
-static void a_configuration_without_its_cookie_is_refused(void **state)
+TEST(a_configuration_without_its_cookie_is_refused)
 {
     const softsim_config config = {0};
     memset(&error, 0, sizeof error);
@@ -202,15 +203,5 @@ static void a_configuration_without_its_cookie_is_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_organ_is_felt_and_comes_back),
-        cmocka_unit_test(two_tools_close_together_keep_the_energy_balance),
-        cmocka_unit_test(a_tool_found_inside_is_let_in_over_half_a_second),
-        cmocka_unit_test(results_come_one_period_late),
-        cmocka_unit_test(a_tool_that_stands_beside_the_body_repeats_no_substep),
-        cmocka_unit_test(the_worst_verdict_needs_no_reading),
-        cmocka_unit_test(a_run_without_a_clock_has_no_budget),
-        cmocka_unit_test(a_configuration_without_its_cookie_is_refused),
-    };
-    return cmocka_run_group_tests_name("headless", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

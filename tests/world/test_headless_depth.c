@@ -2,12 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* contact_force_t.depth of a tool that is driven through a body and far beyond it, and of one that
  * stays deep inside: never more than the body is thick. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <stdlib.h>
 
 #include "common/effort.h"
@@ -36,7 +32,7 @@ static double thickness_of(softsim_world *world)
     return least;
 }
 
-static void depth_is_bounded_by_the_body(void **state)
+TEST(depth_is_bounded_by_the_body)
 {
     static const char *const names[] = {"chainmail", "kidney",       "liver",      "hard hm1",
                                         "xpbd",      "corotational", "mass-spring"};
@@ -79,8 +75,5 @@ static void depth_is_bounded_by_the_body(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(depth_is_bounded_by_the_body),
-    };
-    return cmocka_run_group_tests_name("depth", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The headless world on the bundled hybrid ventricle: what the hand feels between steps. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
@@ -62,7 +58,7 @@ static double peak_of_press(const char *between_steps)
 
 /* The local contact model goes by the stiffness that the body is estimated to have, which errs
  * high; not so far that a fast press feels like another body. */
-static void a_fast_press_is_felt_as_the_model_answers(void **state)
+TEST(a_fast_press_is_felt_as_the_model_answers)
 {
     const double held = peak_of_press("haptic.between_steps=hold");
     const double local = peak_of_press("haptic.between_steps=local");
@@ -73,7 +69,7 @@ static void a_fast_press_is_felt_as_the_model_answers(void **state)
 
 /* Pressed 16 mm, slid 10 mm aside, let out by 1 mm every .6 s, with a rest after each: what is told
  * to be felt is what the force falls by, or more, but not several times it. */
-static void a_deep_press_is_felt_as_stiff_as_it_is(void **state)
+TEST(a_deep_press_is_felt_as_stiff_as_it_is)
 {
     softsim_world *world = make_ventricle("haptic.max_force_n=100");
     double least = INFINITY, most = 0.0, before = 0.0;
@@ -97,9 +93,5 @@ static void a_deep_press_is_felt_as_stiff_as_it_is(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_deep_press_is_felt_as_stiff_as_it_is),
-        cmocka_unit_test(a_fast_press_is_felt_as_the_model_answers),
-    };
-    return cmocka_run_group_tests_name("softsim.headless_hybrid", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

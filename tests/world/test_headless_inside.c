@@ -3,12 +3,8 @@
 /* Contact keeps a tool out of the tissue, whichever of the two moves. Where it is too soft for
  * that, a tool gets in through the surface, which holds it off no longer: whoever looks at the
  * verdict, the depth or the flags is told so for as long as it is in. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <stdlib.h>
 
 #include "common/effort.h"
@@ -173,7 +169,7 @@ static outcome run_press(const press *one, const char *contact)
     return out;
 }
 
-static void a_tool_inside_the_tissue_is_told(void **state)
+TEST(a_tool_inside_the_tissue_is_told)
 {
     for (int k = 0; k < PRESSES; ++k) {
         const outcome out = run_press(&presses[k], TOO_SOFT);
@@ -184,7 +180,7 @@ static void a_tool_inside_the_tissue_is_told(void **state)
 }
 
 /* The block pushes back for as long as the tool is pressed into it. */
-static void a_tool_stays_outside(void **state)
+TEST(a_tool_stays_outside)
 {
     for (int k = FULL_IN_RELEASE(0, PRESSES - 1); k < PRESSES; ++k) {
         const outcome out = run_press(&presses[k], "");
@@ -269,7 +265,7 @@ static meeting meet(const fall *one, const char *contact, double sway)
 }
 
 /* As much as by a tool that sways further than a gather spares, and so looks anew. */
-static void tissue_that_comes_to_a_still_tool_is_felt(void **state)
+TEST(tissue_that_comes_to_a_still_tool_is_felt)
 {
     for (size_t k = 0; k < sizeof falls / sizeof *falls; k += FULL_IN_RELEASE(1, 2)) {
         const meeting moving = meet(&falls[k], "", 0.0025), still = meet(&falls[k], "", 0.0);
@@ -281,7 +277,7 @@ static void tissue_that_comes_to_a_still_tool_is_felt(void **state)
     }
 }
 
-static void a_still_tool_that_tissue_swallows_is_told(void **state)
+TEST(a_still_tool_that_tissue_swallows_is_told)
 {
     const meeting still = meet(&falls[0], "  stiffness_n_per_m3: 1.0e+5\n", 0.0);
     print_message("inside for %d ticks, told wrongly in %d\n", still.inside, still.unsaid);
@@ -291,11 +287,5 @@ static void a_still_tool_that_tissue_swallows_is_told(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_tool_inside_the_tissue_is_told),
-        cmocka_unit_test(a_tool_stays_outside),
-        cmocka_unit_test(tissue_that_comes_to_a_still_tool_is_felt),
-        cmocka_unit_test(a_still_tool_that_tissue_swallows_is_told),
-    };
-    return cmocka_run_group_tests_name("inside", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -4,12 +4,7 @@
  * A tool that is found inside the tissue gets a place in it: within the entry ramp it is felt as
  * one that was pressed there from outside, and nothing but tissue is felt on the way.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "loops_fixture.h"
@@ -124,7 +119,7 @@ static bool is_felt(const visit *v, const double outside[3])
 }
 
 /* A ventricle that is pressed by more than its wall is thick, too: out the way that it came. */
-static void a_tool_that_moved_is_felt_as_one_that_was_pressed(void **state)
+TEST(a_tool_that_moved_is_felt_as_one_that_was_pressed)
 {
     static const int body_of[] = {0, 2, 4};
     static const double depths[] = {0.012, 0.008}, sides[] = {0.0, 0.020, 0.005, 0.010, -0.010};
@@ -171,7 +166,7 @@ static void approach(const body *b, double above, double speed, int wait,
 }
 
 /* It is outside that it comes from: a touch in the first 0.1 s is felt as one that comes later. */
-static void a_touch_just_after_the_first_pose_is_felt(void **state)
+TEST(a_touch_just_after_the_first_pose_is_felt)
 {
     SKIP_WHERE_REPEATED();
     static const body touched[] = {
@@ -260,7 +255,7 @@ static escape pull_out(const char *scene, int stay)
 
 /* A tool that is let in and pulled away is let go: nothing draws it back, and what is left of the
  * force is gone within a ramp. */
-static void a_tool_that_is_pulled_out_is_let_go(void **state)
+TEST(a_tool_that_is_pulled_out_is_let_go)
 {
     SKIP_WHERE_REPEATED();
     static const char *const scenes[] = {
@@ -329,7 +324,7 @@ static softsim_force stand_in_a_hollow(double radius_mm, softsim_state *out_stat
 }
 
 /* It is not in the tissue: nothing is pressed, nothing told. */
-static void a_tool_in_a_cavity_is_free(void **state)
+TEST(a_tool_in_a_cavity_is_free)
 {
     softsim_state now;
     const softsim_force force = stand_in_a_hollow(8.0, &now);
@@ -340,7 +335,7 @@ static void a_tool_in_a_cavity_is_free(void **state)
 }
 
 /* One that is larger than the cavity is nowhere outside: it is not felt, and told. */
-static void a_tool_without_a_place_is_told(void **state)
+TEST(a_tool_without_a_place_is_told)
 {
     softsim_state now;
     const softsim_force force = stand_in_a_hollow(26.0, &now);
@@ -353,7 +348,7 @@ static void a_tool_without_a_place_is_told(void **state)
 
 /* Looks are dear, and one that found nothing is likely to again: eight in 2.5 s, at 0, 20, 60, 140,
  * 300, 620, 1260 and 2260 ms. A tool that comes out is in the world within 20 ms all the same. */
-static void a_place_is_looked_for_ever_less_often(void **state)
+TEST(a_place_is_looked_for_ever_less_often)
 {
     softsim_world *world = make_hollow(26.0);
     const ss_world_probe *probe = &ss_world_of(world)->probe[0];
@@ -434,7 +429,7 @@ static void come_where_tissue_was(bool has_touched, bool is_reset, double *out_o
 }
 
 /* Tissue that has gone elsewhere of itself does not spring back to where it rested. */
-static void a_tool_stands_where_tissue_was(void **state)
+TEST(a_tool_stands_where_tissue_was)
 {
     static const char *const before[] = {"not touched", "touched", "touched and reset"};
     for (int k = 0; k < 3; ++k) {
@@ -450,14 +445,5 @@ static void a_tool_stands_where_tissue_was(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_tool_that_is_pulled_out_is_let_go),
-        cmocka_unit_test(a_tool_in_a_cavity_is_free),
-        cmocka_unit_test(a_tool_without_a_place_is_told),
-        cmocka_unit_test(a_place_is_looked_for_ever_less_often),
-        cmocka_unit_test(a_tool_stands_where_tissue_was),
-        cmocka_unit_test(a_touch_just_after_the_first_pose_is_felt),
-        cmocka_unit_test(a_tool_that_moved_is_felt_as_one_that_was_pressed),
-    };
-    return cmocka_run_group_tests_name("place", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -6,12 +6,8 @@
  * more than it did before, no tick takes or gives more than a ramp's, a twentieth, and the model is
  * never struck.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
@@ -122,7 +118,7 @@ static bool storm(int model, heard way, const char *const name[2], int gap, int 
     return is_good;
 }
 
-static void resets_are_entered_anew(void **state)
+TEST(resets_are_entered_anew)
 {
     static const char *const reset[2] = {"reset", "reset"};
     static const int gaps[] = {120, 250, 310, 400, 1, 10, 22};
@@ -141,7 +137,7 @@ static void resets_are_entered_anew(void **state)
     assert_true(is_good);
 }
 
-static void pauses_and_resumes_ramp_and_enter(void **state)
+TEST(pauses_and_resumes_ramp_and_enter)
 {
     static const char *const pause[2] = {"pause", "resume"};
     static const int gaps[] = {1, 2, 3, 5, 10, 19, 20, 21, 30, 50, 150, 300};
@@ -164,9 +160,5 @@ static void pauses_and_resumes_ramp_and_enter(void **state)
 int main(int argc, char **argv)
 {
     is_all = argc > 1 && strcmp(argv[1], "all") == 0;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(resets_are_entered_anew),
-        cmocka_unit_test(pauses_and_resumes_ramp_and_enter),
-    };
-    return cmocka_run_group_tests_name("reset", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

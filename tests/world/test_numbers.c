@@ -4,12 +4,8 @@
  * Numbers by place: what ss_mesh_renumber and ss_scene_renumber do, and that a user never sees it.
  * Files are shuffled at random, so that every map must be right for a test to pass.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -159,7 +155,7 @@ static void the_same_element(const int32_t *a, const int32_t *b, int size, const
     }
 }
 
-static void every_number_leads_back_to_the_file(void **state)
+TEST(every_number_leads_back_to_the_file)
 {
     for (kind what = TRIANGLES; what <= TETRAHEDRA; ++what) {
         ss_mesh *m = make_scattered(what);
@@ -202,7 +198,7 @@ static void every_number_leads_back_to_the_file(void **state)
     }
 }
 
-static void blocks_have_few_neighbours_outside(void **state)
+TEST(blocks_have_few_neighbours_outside)
 {
     /* A square patch of 64 nodes of a grid has 36 about it, a cube of 64 in tetrahedra some 110;
      * the rim has fewer. */
@@ -219,7 +215,7 @@ static void blocks_have_few_neighbours_outside(void **state)
     }
 }
 
-static void numbers_that_are_right_already_have_no_map(void **state)
+TEST(numbers_that_are_right_already_have_no_map)
 {
     for (kind what = TRIANGLES; what <= TETRAHEDRA; ++what) {
         ss_mesh *m = make_scattered(what);
@@ -322,7 +318,7 @@ static const ss_param_row jelly_row[] = {
 };
 static const ss_scene_model jelly = {.name = "jelly", .row = jelly_row, .row_count = 3};
 
-static void a_scene_is_renumbered_with_its_mesh(void **state)
+TEST(a_scene_is_renumbered_with_its_mesh)
 {
     for (kind what = TRIANGLES; what <= QUADS; ++what) {
         ss_mesh *mesh = make_scattered(what);
@@ -379,7 +375,7 @@ static void a_scene_is_renumbered_with_its_mesh(void **state)
 }
 
 /* What is wrong with a file of elements, by line; a row that takes nodes alone says so. */
-static void element_files_are_read_with_care(void **state)
+TEST(element_files_are_read_with_care)
 {
     static const struct {
         const char *file, *key, *message;
@@ -465,7 +461,7 @@ static softsim_world *run(const char *name, int32_t ticks)
     return world;
 }
 
-static void a_shuffled_file_gives_the_same_body_in_its_own_numbers(void **state)
+TEST(a_shuffled_file_gives_the_same_body_in_its_own_numbers)
 {
     enum { NODES = 21 * 16, TICKS = 200 };
     for (kind what = TRIANGLES; what <= QUADS; ++what) {
@@ -571,7 +567,7 @@ static void press(const char *file, const char *units, softsim_force out[], int3
     softsim_destroy(&world);
 }
 
-static void newtons_know_neither_units_nor_numbers(void **state)
+TEST(newtons_know_neither_units_nor_numbers)
 {
     enum { TICKS = 400 };
     static softsim_force in_metres[TICKS], in_millimetres[TICKS], shuffled[TICKS];
@@ -606,14 +602,5 @@ static void newtons_know_neither_units_nor_numbers(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_number_leads_back_to_the_file),
-        cmocka_unit_test(blocks_have_few_neighbours_outside),
-        cmocka_unit_test(numbers_that_are_right_already_have_no_map),
-        cmocka_unit_test(a_scene_is_renumbered_with_its_mesh),
-        cmocka_unit_test(element_files_are_read_with_care),
-        cmocka_unit_test(a_shuffled_file_gives_the_same_body_in_its_own_numbers),
-        cmocka_unit_test(newtons_know_neither_units_nor_numbers),
-    };
-    return cmocka_run_group_tests_name("numbers", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

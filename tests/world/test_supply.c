@@ -4,12 +4,7 @@
  * The energy that nobody had of what a hand is given in a part of a contact: against the
  * definition, all parts of a track one by one; and what the watch makes of it.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <string.h>
@@ -84,7 +79,7 @@ static double made_by_supply(const track *t, int32_t first, int32_t last)
     return made;
 }
 
-static void it_is_the_worst_of_all_parts(void **state)
+TEST(it_is_the_worst_of_all_parts)
 {
     static track t;
     int32_t found = 0;
@@ -111,7 +106,7 @@ static void it_is_the_worst_of_all_parts(void **state)
 }
 
 /* One result every `every` ticks; the first three settle nothing. */
-static void what_is_not_known_yet_is_not_judged(void **state)
+TEST(what_is_not_known_yet_is_not_judged)
 {
     const double given[SS_SUPPLY_DEVICES] = {1.0, 1.0, 1.0};
     for (int is_told = 0; is_told < 2; ++is_told) {
@@ -183,7 +178,7 @@ static ss_hand_verdict press(planted what, double scale, bool is_lockstep)
 
 /* Of 50 mJ put in 5 are stored and 25 given back: 20 mJ that nobody had, although the hand is left
  * with a loss. */
-static void what_tissue_swallowed_excuses_nothing(void **state)
+TEST(what_tissue_swallowed_excuses_nothing)
 {
     for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
         assert_int_equal(press(SOUND, 1.0, is_lockstep).verdict, SOFTSIM_VERDICT_GOOD);
@@ -203,7 +198,7 @@ static void what_tissue_swallowed_excuses_nothing(void **state)
 }
 
 /* The next contact begins with nothing that the last one left. */
-static void each_contact_begins_anew(void **state)
+TEST(each_contact_begins_anew)
 {
     ss_supply supply = {.is_known = false};
     const double given[SS_SUPPLY_DEVICES] = {0.02, 0.02, 0.02},
@@ -223,11 +218,5 @@ static void each_contact_begins_anew(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(it_is_the_worst_of_all_parts),
-        cmocka_unit_test(what_is_not_known_yet_is_not_judged),
-        cmocka_unit_test(what_tissue_swallowed_excuses_nothing),
-        cmocka_unit_test(each_contact_begins_anew),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -2,6 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The headless world on the bundled kidney, with more threads than one. */
 #include "common/effort.h"
+#include "common/test.h"
 #include "kidney_fixture.h"
 
 static uint64_t hash_after_press(int32_t threads, const char *const *set, int32_t set_count)
@@ -15,7 +16,7 @@ static uint64_t hash_after_press(int32_t threads, const char *const *set, int32_
     return hash;
 }
 
-static void bits_do_not_depend_on_threads(void **state)
+TEST(bits_do_not_depend_on_threads)
 {
     static const char *const rates[] = {"simulation.rate_hz=1000", "simulation.rate_hz=100"};
     for (int i = 0; i < 2; ++i) {
@@ -30,8 +31,5 @@ static void bits_do_not_depend_on_threads(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bits_do_not_depend_on_threads),
-    };
-    return cmocka_run_group_tests_name("threads", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

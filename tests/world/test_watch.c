@@ -4,12 +4,7 @@
  * The watch over energy that no work explains: a verdict, in tissue and in the hand, that holds on
  * and says whether it was shaken or let in.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <string.h>
@@ -32,7 +27,7 @@ static softsim_verdict verdict_after(double stored, double way)
     return info.verdict;
 }
 
-static void energy_beyond_a_hands_limit_is_a_verdict(void **state)
+TEST(energy_beyond_a_hands_limit_is_a_verdict)
 {
     const double unit = limit_n * tool_m;
     assert_int_equal(verdict_after(0.99 * unit, 0.0), SOFTSIM_VERDICT_GOOD);
@@ -71,7 +66,7 @@ static bool is_telling(const ss_hand_watch *watch, int64_t tick)
 }
 
 /* In and out by 8 mm in one step of a spring of 500 N/m: 32 mJ a contact. */
-static void a_hand_that_is_driven_is_told_for_a_second(void **state)
+TEST(a_hand_that_is_driven_is_told_for_a_second)
 {
     for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
         ss_hand_watch watch = {.has_pose = false};
@@ -120,7 +115,7 @@ static void a_hand_that_is_driven_is_told_for_a_second(void **state)
 
 /* By how much decides what is said: beyond 10 mJ guarded, beyond 100 mJ degraded; what the entry
  * let in is taken off, and said as such. The worse holds on. */
-static void the_verdict_follows_the_energy_of_a_contact(void **state)
+TEST(the_verdict_follows_the_energy_of_a_contact)
 {
     static const struct {
         double contact_j, let_in_j;
@@ -162,7 +157,7 @@ static void the_verdict_follows_the_energy_of_a_contact(void **state)
 
 /* A spring of 1000 N/m is let in by 16 mm under a still hand, 128 mJ, and let go of within 0.1 s;
  * 5 ms later a touch of 1 mJ. With a clock the client names its forces 5 ms late. */
-static void what_was_let_in_counts_for_as_long_as_what_it_became(void **state)
+TEST(what_was_let_in_counts_for_as_long_as_what_it_became)
 {
     for (int is_lockstep = 0; is_lockstep < 2; ++is_lockstep) {
         ss_hand_watch watch = {.has_pose = false};
@@ -197,7 +192,7 @@ static void what_was_let_in_counts_for_as_long_as_what_it_became(void **state)
 /* A tool that stands deep in the kidney from the start is let in, and draws out slowly: what it is
  * handed nobody put in, and nobody shook. A shake that hands out more than was let in is told as
  * such. */
-static void a_tool_that_was_let_in_is_told_apart_from_one_that_shakes(void **state)
+TEST(a_tool_that_was_let_in_is_told_apart_from_one_that_shakes)
 {
     SKIP_WHERE_REPEATED();
     for (int is_shaking = 0; is_shaking < 2; ++is_shaking) {
@@ -232,7 +227,7 @@ static bool is_said(const ss_world *world, const char *words)
 
 /* Still, then out at 30 mm/s until a second after the last force: it is the entry's energy to the
  * end. A softer tissue lets in less than what is degraded, a stiffer one more. */
-static void a_calm_release_of_what_was_let_in_is_not_called_shaking(void **state)
+TEST(a_calm_release_of_what_was_let_in_is_not_called_shaking)
 {
     SKIP_WHERE_REPEATED();
     static const char *const stiffer[] = {
@@ -261,7 +256,7 @@ static void a_calm_release_of_what_was_let_in_is_not_called_shaking(void **state
 
 /* Between the place that one device left, or one that fell silent, and where the next pose is,
  * nobody went: the force of then does no work on that way. */
-static void nobody_went_from_one_device_to_the_next(void **state)
+TEST(nobody_went_from_one_device_to_the_next)
 {
     for (int64_t next = 1; next <= 2; ++next) {
         ss_world *world = make_scene(KIDNEY, NULL, 0);
@@ -300,7 +295,7 @@ static double slam(ss_world *world, bool *out_is_told)
 
 /* A coupling whose damping holds the tool back over its stiffness for a second: the blow was not
  * felt, and all was called good. */
-static void a_blow_that_is_not_felt_is_told(void **state)
+TEST(a_blow_that_is_not_felt_is_told)
 {
     static const char *const held_back[] = {"haptic.coupling.damping_n_s_per_m=1000"};
     bool is_told;
@@ -324,15 +319,5 @@ static void a_blow_that_is_not_felt_is_told(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(energy_beyond_a_hands_limit_is_a_verdict),
-        cmocka_unit_test(a_hand_that_is_driven_is_told_for_a_second),
-        cmocka_unit_test(the_verdict_follows_the_energy_of_a_contact),
-        cmocka_unit_test(what_was_let_in_counts_for_as_long_as_what_it_became),
-        cmocka_unit_test(a_tool_that_was_let_in_is_told_apart_from_one_that_shakes),
-        cmocka_unit_test(a_calm_release_of_what_was_let_in_is_not_called_shaking),
-        cmocka_unit_test(nobody_went_from_one_device_to_the_next),
-        cmocka_unit_test(a_blow_that_is_not_felt_is_told),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,12 +4,8 @@
  * The world between the loops: what a command, a skipped tick or a refused pose does to it. No
  * thread and no LCM: the test calls the pieces in the order in which the loops would.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -49,8 +45,21 @@ static softsim_pose pose_of(int64_t sender, int32_t seq, int32_t probe)
                           .applied_force = {NAN, NAN, NAN}};
 }
 
+/* Set-up arithmetic belongs to the result: the daemon and a headless run set it up alike. First:
+ * the mode stays. */
+TEST(a_world_is_set_up_without_denormals)
+{
+    ss_world *world = create(SCENES "cylinder.yaml", false);
+#if defined(__SSE__)
+    const volatile float least = FLT_MIN;
+    const volatile float half = least * 0.5f;
+    assert_true(half == 0.0f);
+#endif
+    ss_world_destroy(&world);
+}
+
 /* The answer goes to who asked: the channel's client, whatever number the pose claims. */
-static void lockstep_answers_a_wrong_probe_on_its_own_channel(void **state)
+TEST(lockstep_answers_a_wrong_probe_on_its_own_channel)
 {
     ss_world *world = create(SCENES "kidney.yaml", true);
     static const int32_t claimed[] = {1, 7, -5, 1000000, INT32_MIN};
@@ -71,7 +80,7 @@ static void lockstep_answers_a_wrong_probe_on_its_own_channel(void **state)
 }
 
 /* A scene without tools has no haptic loop that would empty a ring of commands. */
-static void commands_are_taken_without_a_haptic_loop(void **state)
+TEST(commands_are_taken_without_a_haptic_loop)
 {
     ss_world *world = create(SCENES "cylinder.yaml", false);
     assert_int_equal(world->used_probes, 0);
@@ -87,7 +96,7 @@ static void commands_are_taken_without_a_haptic_loop(void **state)
 }
 
 /* Whoever adds one means something that would not happen. */
-static void an_argument_that_is_not_taken_is_refused(void **state)
+TEST(an_argument_that_is_not_taken_is_refused)
 {
     static const char *const names[] = {"reset",   "pause",  "resume",
                                         "refresh", "status", "shutdown"};
@@ -123,7 +132,7 @@ static int32_t set(ss_world *world, const char *argument, char *out_text, int32_
 }
 
 /* What the hand may feel is decided where the scene is; a command may only lower it. */
-static void no_command_raises_a_limit_above_the_scenes(void **state)
+TEST(no_command_raises_a_limit_above_the_scenes)
 {
     ss_world *world = create(SCENES "kidney.yaml", false);
     char text[512], argument[128];
@@ -157,7 +166,7 @@ static softsim_refusal judge_step(ss_world *world, int32_t seq, double x)
 }
 
 /* Neither of the loops, nor the gate: whichever of the rings is full. */
-static void a_command_that_finds_no_room_changes_nothing(void **state)
+TEST(a_command_that_finds_no_room_changes_nothing)
 {
     for (int full = 0; full < 2; ++full) {
         ss_world *world = create(SCENES "kidney.yaml", false);
@@ -213,7 +222,7 @@ static void run_ticks(ss_world *world, int32_t count)
 }
 
 /* Whoever asks for a status asks for the hash, which costs milliseconds on a large body. */
-static void a_state_is_hashed_once(void **state)
+TEST(a_state_is_hashed_once)
 {
     ss_world *asked = create(SCENES "kidney.yaml", true);
     ss_world *left_alone = create(SCENES "kidney.yaml", true);
@@ -255,7 +264,7 @@ static void a_state_is_hashed_once(void **state)
 
 /* The new stiffness is not felt at once, and the answer says so; limits too small to be meant are
  * refused. */
-static void a_set_says_what_it_will_do(void **state)
+TEST(a_set_says_what_it_will_do)
 {
     ss_world *world = create(SCENES "kidney.yaml", false);
     char text[512];
@@ -274,7 +283,7 @@ static void a_set_says_what_it_will_do(void **state)
 
 /* The model has it from the first step on, where it just touches, and it stays there until the
  * haptic loop says that it lets it in. */
-static void a_tool_found_inside_stands_outside_until_it_is_entered(void **state)
+TEST(a_tool_found_inside_stands_outside_until_it_is_entered)
 {
     ss_world *world = create(SCENES "kidney.yaml", false);
     const ss_world_probe *probe = &world->probe[0];
@@ -309,7 +318,7 @@ static void a_tool_found_inside_stands_outside_until_it_is_entered(void **state)
 }
 
 /* A full ring refuses a command for both loops: they count resets, each for itself. */
-static void a_command_reaches_both_loops_or_none(void **state)
+TEST(a_command_reaches_both_loops_or_none)
 {
     ss_world *world = create(SCENES "kidney.yaml", false);
     ss_command_record record;
@@ -335,7 +344,7 @@ static void a_command_reaches_both_loops_or_none(void **state)
 }
 
 /* Skipping is when the figures matter: they come 4 times a second all the same. */
-static void haptic_figures_come_though_ticks_are_skipped(void **state)
+TEST(haptic_figures_come_though_ticks_are_skipped)
 {
     ss_world *world = create(SCENES "kidney.yaml", false);
     int64_t posts = 0;
@@ -353,18 +362,6 @@ static void haptic_figures_come_though_ticks_are_skipped(void **state)
     ss_world_destroy(&world);
 }
 
-/* Set-up arithmetic belongs to the result: the daemon and a headless run set it up alike. */
-static void a_world_is_set_up_without_denormals(void **state)
-{
-    ss_world *world = create(SCENES "cylinder.yaml", false);
-#if defined(__SSE__)
-    const volatile float least = FLT_MIN;
-    const volatile float half = least * 0.5f;
-    assert_true(half == 0.0f);
-#endif
-    ss_world_destroy(&world);
-}
-
 static bool are_denormals_kept(void)
 {
     const volatile double least = DBL_MIN;
@@ -373,7 +370,7 @@ static bool are_denormals_kept(void)
 }
 
 /* A program's own arithmetic goes on as it was; what the world computes does not depend on it. */
-static void a_world_leaves_the_callers_arithmetic_alone(void **state)
+TEST(a_world_leaves_the_callers_arithmetic_alone)
 {
     uint64_t hash[2];
     const uint64_t before = ss_thread_flush_denormals();
@@ -408,19 +405,5 @@ static void a_world_leaves_the_callers_arithmetic_alone(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_world_is_set_up_without_denormals), /* first: the mode stays */
-        cmocka_unit_test(a_world_leaves_the_callers_arithmetic_alone),
-        cmocka_unit_test(lockstep_answers_a_wrong_probe_on_its_own_channel),
-        cmocka_unit_test(an_argument_that_is_not_taken_is_refused),
-        cmocka_unit_test(no_command_raises_a_limit_above_the_scenes),
-        cmocka_unit_test(a_set_says_what_it_will_do),
-        cmocka_unit_test(a_command_reaches_both_loops_or_none),
-        cmocka_unit_test(commands_are_taken_without_a_haptic_loop),
-        cmocka_unit_test(a_command_that_finds_no_room_changes_nothing),
-        cmocka_unit_test(a_tool_found_inside_stands_outside_until_it_is_entered),
-        cmocka_unit_test(a_state_is_hashed_once),
-        cmocka_unit_test(haptic_figures_come_though_ticks_are_skipped),
-    };
-    return cmocka_run_group_tests_name("world", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

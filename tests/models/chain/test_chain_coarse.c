@@ -2,11 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The coarse level above a chain: still a descent of the same energy, far quicker into the depth.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/chain_fixture.h"
 #include "common/effort.h"
@@ -29,7 +25,7 @@ static void setup_block(setup *s, double alpha, int32_t cells, int32_t *node, do
     drive(s, PATCH, node, way, 0.0);
 }
 
-static void hats_sum_to_one(void **state)
+TEST(hats_sum_to_one)
 {
     enum { CELLS = 20 };
     setup s;
@@ -68,7 +64,7 @@ static void hats_sum_to_one(void **state)
     setup_fini(&s);
 }
 
-static void energy_never_rises_with_two_levels(void **state)
+TEST(energy_never_rises_with_two_levels)
 {
     random_state = 5;
     for (int held = 0; held < 2; ++held) {
@@ -118,7 +114,7 @@ static double depth_after(int32_t cells, int count, double *out_force)
     return depth;
 }
 
-static void poke_reaches_into_the_depth_at_once(void **state)
+TEST(poke_reaches_into_the_depth_at_once)
 {
     SKIP_WHERE_REPEATED();
     double force[4];
@@ -145,7 +141,7 @@ static void slide(setup *s, ss_model_tool tool[SOFTSIM_MAX_PROBES], int count)
     }
 }
 
-static void reset_gives_the_same_bits_again(void **state)
+TEST(reset_gives_the_same_bits_again)
 {
     SKIP_WHERE_REPEATED();
     setup s;
@@ -176,7 +172,7 @@ static void reset_gives_the_same_bits_again(void **state)
     setup_fini(&s);
 }
 
-static void aggregated_cells_stay_near_the_full_model(void **state)
+TEST(aggregated_cells_stay_near_the_full_model)
 {
     double *full = calloc(4 * NODES, sizeof *full), force[2][3];
     for (int which = 0; which < 2; ++which) {
@@ -210,7 +206,7 @@ static void aggregated_cells_stay_near_the_full_model(void **state)
     free(full);
 }
 
-static void volumes_have_it_and_surfaces_have_not(void **state)
+TEST(volumes_have_it_and_surfaces_have_not)
 {
     setup s;
     setup_init(&s, "cnn-chainmail", make_box(SIDE, SIDE, SIDE, 1.0));
@@ -224,7 +220,7 @@ static void volumes_have_it_and_surfaces_have_not(void **state)
 }
 
 /* Whether the step or C is what is chosen, and with the front or without. */
-static void saturation_never_reached_changes_nothing(void **state)
+TEST(saturation_never_reached_changes_nothing)
 {
     for (int kind = 0; kind < 3; ++kind) {
         int32_t node[PATCH];
@@ -252,7 +248,7 @@ static void saturation_never_reached_changes_nothing(void **state)
 }
 
 /* Beyond its saturation a cell is drawn back by 1/R alone, however far the coarse level reaches. */
-static void saturated_cells_are_calm_with_two_levels(void **state)
+TEST(saturated_cells_are_calm_with_two_levels)
 {
     double middle[2];
     for (int which = 0; which < 2; ++which) {
@@ -280,7 +276,7 @@ static void saturated_cells_are_calm_with_two_levels(void **state)
 
 /* Leak and a load: the coarse level, and aggregated cells, change the way to the equilibrium alone.
  */
-static void leak_balances_a_load_on_every_level(void **state)
+TEST(leak_balances_a_load_on_every_level)
 {
     SKIP_WHERE_REPEATED();
     double middle[3];
@@ -311,7 +307,7 @@ static void leak_balances_a_load_on_every_level(void **state)
 }
 
 /* Every element above the fixed ones is prescribed: there is no cell left that may move. */
-static void a_body_without_a_free_cell_follows_its_set(void **state)
+TEST(a_body_without_a_free_cell_follows_its_set)
 {
     for (int aggregated = 0; aggregated < 2; ++aggregated) {
         static int32_t node[NODES];
@@ -339,16 +335,5 @@ static void a_body_without_a_free_cell_follows_its_set(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hats_sum_to_one),
-        cmocka_unit_test(energy_never_rises_with_two_levels),
-        cmocka_unit_test(poke_reaches_into_the_depth_at_once),
-        cmocka_unit_test(reset_gives_the_same_bits_again),
-        cmocka_unit_test(aggregated_cells_stay_near_the_full_model),
-        cmocka_unit_test(volumes_have_it_and_surfaces_have_not),
-        cmocka_unit_test(saturation_never_reached_changes_nothing),
-        cmocka_unit_test(saturated_cells_are_calm_with_two_levels),
-        cmocka_unit_test(leak_balances_a_load_on_every_level),
-        cmocka_unit_test(a_body_without_a_free_cell_follows_its_set)};
-    return cmocka_run_group_tests_name("chain_coarse", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

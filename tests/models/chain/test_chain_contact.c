@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* cnn-chainmail under tools: held cells, sliding, letting go, grasping, what the hand is told. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/chain_fixture.h"
 #include "common/effort.h"
@@ -63,7 +59,7 @@ static ss_contact_set feel(felt *f)
     return set;
 }
 
-static void near_contact_is_told_before_touching(void **state)
+TEST(near_contact_is_told_before_touching)
 {
     felt f;
     felt_init(&f, 0.0);
@@ -76,7 +72,7 @@ static void near_contact_is_told_before_touching(void **state)
     setup_fini(&f.s);
 }
 
-static void held_cells_lie_on_the_tool(void **state)
+TEST(held_cells_lie_on_the_tool)
 {
     for (int current = 0; current < 2; ++current) {
         felt f;
@@ -101,7 +97,7 @@ static void held_cells_lie_on_the_tool(void **state)
     }
 }
 
-static void nothing_holds_a_tool_back(void **state)
+TEST(nothing_holds_a_tool_back)
 {
     felt f;
     felt_init(&f, 0.02);
@@ -116,7 +112,7 @@ static void nothing_holds_a_tool_back(void **state)
     setup_fini(&f.s);
 }
 
-static void force_is_smooth_as_the_tool_slides(void **state)
+TEST(force_is_smooth_as_the_tool_slides)
 {
     SKIP_WHERE_REPEATED();
     felt f;
@@ -138,7 +134,7 @@ static void force_is_smooth_as_the_tool_slides(void **state)
     setup_fini(&f.s);
 }
 
-static void told_stiffness_errs_high(void **state)
+TEST(told_stiffness_errs_high)
 {
     SKIP_WHERE_REPEATED();
     for (int alpha = 0; alpha < 2; ++alpha) {
@@ -164,7 +160,7 @@ static void told_stiffness_errs_high(void **state)
     }
 }
 
-static void grasp_pulls_and_lets_go(void **state)
+TEST(grasp_pulls_and_lets_go)
 {
     felt f;
     felt_init(&f, 0.0);
@@ -212,13 +208,13 @@ static double balance_books(double leak_resistance)
     return by_force;
 }
 
-static void books_balance_under_a_tool(void **state)
+TEST(books_balance_under_a_tool)
 {
     assert_true(balance_books(0.0) > 0.0);
     (void)balance_books(10.0); /* nearly a spring */
 }
 
-static void teleport_ends_well(void **state)
+TEST(teleport_ends_well)
 {
     felt f;
     felt_init(&f, 0.02);
@@ -241,7 +237,7 @@ static void teleport_ends_well(void **state)
     setup_fini(&f.s);
 }
 
-static void deep_poke_inverts_no_tetrahedron_and_is_undone(void **state)
+TEST(deep_poke_inverts_no_tetrahedron_and_is_undone)
 {
     for (int guarded = 0; guarded < 2; ++guarded) {
         setup s;
@@ -284,7 +280,7 @@ static void deep_poke_inverts_no_tetrahedron_and_is_undone(void **state)
 }
 
 /* A tool that hovers beside one that presses takes hold of nothing. */
-static void grasp_holds_what_its_own_tool_touches(void **state)
+TEST(grasp_holds_what_its_own_tool_touches)
 {
     felt f;
     felt_init(&f, 0.02);
@@ -306,7 +302,7 @@ static void grasp_holds_what_its_own_tool_touches(void **state)
 }
 
 /* A fault under a tool leaves nothing behind that reset does not clear. */
-static void reset_after_a_fault_forgets_the_contact(void **state)
+TEST(reset_after_a_fault_forgets_the_contact)
 {
     double force[2] = {0.0};
     for (int faulty = 0; faulty < 2; ++faulty) {
@@ -335,7 +331,7 @@ static void reset_after_a_fault_forgets_the_contact(void **state)
 }
 
 /* Of surfaces without a leak, where it does (on the kidney, 8 mm deep, to 1 % in half a second). */
-static void the_plan_says_where_a_held_force_fades(void **state)
+TEST(the_plan_says_where_a_held_force_fades)
 {
     for (int k = 0; k < 3; ++k) {
         setup s;
@@ -351,7 +347,7 @@ static void the_plan_says_where_a_held_force_fades(void **state)
 }
 
 /* Held cells have the contact stiffness that is given, a current source its own. */
-static void a_contact_stiffness_that_is_not_used_is_told(void **state)
+TEST(a_contact_stiffness_that_is_not_used_is_told)
 {
     for (int k = 0; k < 4; ++k) {
         const bool is_current = k % 2 == 1, is_given = k >= 2;
@@ -373,19 +369,5 @@ static void a_contact_stiffness_that_is_not_used_is_told(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(near_contact_is_told_before_touching),
-        cmocka_unit_test(held_cells_lie_on_the_tool),
-        cmocka_unit_test(nothing_holds_a_tool_back),
-        cmocka_unit_test(force_is_smooth_as_the_tool_slides),
-        cmocka_unit_test(told_stiffness_errs_high),
-        cmocka_unit_test(grasp_pulls_and_lets_go),
-        cmocka_unit_test(reset_after_a_fault_forgets_the_contact),
-        cmocka_unit_test(grasp_holds_what_its_own_tool_touches),
-        cmocka_unit_test(books_balance_under_a_tool),
-        cmocka_unit_test(teleport_ends_well),
-        cmocka_unit_test(the_plan_says_where_a_held_force_fades),
-        cmocka_unit_test(a_contact_stiffness_that_is_not_used_is_told),
-        cmocka_unit_test(deep_poke_inverts_no_tetrahedron_and_is_undone)};
-    return cmocka_run_group_tests_name("chain_contact", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

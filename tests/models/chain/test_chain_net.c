@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The network of chain links: what it is made of, its pull, its energy, its steps. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/chain_fixture.h"
 
@@ -55,7 +51,7 @@ static void shake(setup *s, double size)
 
 /* ---- links ---- */
 
-static void links_are_counted_once(void **state)
+TEST(links_are_counted_once)
 {
     setup s;
     setup_network(&s, make_box(2, 2, 2, 1.0), 0.02);
@@ -79,7 +75,7 @@ static void links_are_counted_once(void **state)
     setup_fini(&s);
 }
 
-static void alpha_is_taken_link_by_link(void **state)
+TEST(alpha_is_taken_link_by_link)
 {
     ss_param_link link[3] = {{{0, 1}, 0.5}, {{2, 0}, 0.0}, {{1, 2}, 0.0}};
     setup s;
@@ -103,7 +99,7 @@ static void alpha_is_taken_link_by_link(void **state)
 
 /* ---- pull ---- */
 
-static void pull_is_that_of_the_plain_sum_over_links(void **state)
+TEST(pull_is_that_of_the_plain_sum_over_links)
 {
     setup s;
     setup_network(&s, make_box(5, 4, 3, 0.1), 0.05);
@@ -132,7 +128,7 @@ static void pull_is_that_of_the_plain_sum_over_links(void **state)
     setup_fini(&s);
 }
 
-static void pull_has_no_force_and_no_torque_of_its_own(void **state)
+TEST(pull_has_no_force_and_no_torque_of_its_own)
 {
     setup s;
     setup_network(&s, make_box(4, 4, 4, 1.0), 0.02);
@@ -156,7 +152,7 @@ static void pull_has_no_force_and_no_torque_of_its_own(void **state)
     setup_fini(&s);
 }
 
-static void pull_is_the_slope_of_the_energy(void **state)
+TEST(pull_is_the_slope_of_the_energy)
 {
     setup s;
     setup_network(&s, make_box(3, 3, 3, 1.0), 0.02);
@@ -181,7 +177,7 @@ static void pull_is_the_slope_of_the_energy(void **state)
     setup_fini(&s);
 }
 
-static void coincident_ends_part_along_their_rest_direction(void **state)
+TEST(coincident_ends_part_along_their_rest_direction)
 {
     setup s;
     setup_network(&s, make_triangle(1000.0), 0.02);
@@ -196,7 +192,7 @@ static void coincident_ends_part_along_their_rest_direction(void **state)
     setup_fini(&s);
 }
 
-static void a_wide_band_ends_at_length_zero(void **state)
+TEST(a_wide_band_ends_at_length_zero)
 {
     setup s;
     setup_network(&s, make_triangle(1000.0), 1.5); /* lmin would be -0.5 */
@@ -210,7 +206,7 @@ static void a_wide_band_ends_at_length_zero(void **state)
 
 /* ---- steps ---- */
 
-static void two_ends_approach_their_band_at_the_known_rate(void **state)
+TEST(two_ends_approach_their_band_at_the_known_rate)
 {
     for (int fixed = 0; fixed < 2; ++fixed) {
         setup s;
@@ -240,7 +236,7 @@ static double euler(setup *s, double h)
     return energy;
 }
 
-static void energy_never_rises_at_the_proven_step(void **state)
+TEST(energy_never_rises_at_the_proven_step)
 {
     random_state = 7;
     for (int which = 0; which < 3; ++which) {
@@ -269,7 +265,7 @@ static void energy_never_rises_at_the_proven_step(void **state)
     }
 }
 
-static void energy_rises_beyond_the_bound_on_a_star(void **state)
+TEST(energy_rises_beyond_the_bound_on_a_star)
 {
     setup s;
     setup_network(&s, make_star(300), 0.0);
@@ -298,7 +294,7 @@ static void energy_rises_beyond_the_bound_on_a_star(void **state)
 
 /* ---- frames ---- */
 
-static void results_turn_and_move_with_the_body(void **state)
+TEST(results_turn_and_move_with_the_body)
 {
     for (int saturated = 0; saturated < 2; ++saturated) {
         setup s[2];
@@ -343,17 +339,5 @@ static void results_turn_and_move_with_the_body(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(links_are_counted_once),
-        cmocka_unit_test(alpha_is_taken_link_by_link),
-        cmocka_unit_test(pull_is_that_of_the_plain_sum_over_links),
-        cmocka_unit_test(pull_has_no_force_and_no_torque_of_its_own),
-        cmocka_unit_test(pull_is_the_slope_of_the_energy),
-        cmocka_unit_test(coincident_ends_part_along_their_rest_direction),
-        cmocka_unit_test(a_wide_band_ends_at_length_zero),
-        cmocka_unit_test(two_ends_approach_their_band_at_the_known_rate),
-        cmocka_unit_test(energy_never_rises_at_the_proven_step),
-        cmocka_unit_test(energy_rises_beyond_the_bound_on_a_star),
-        cmocka_unit_test(results_turn_and_move_with_the_body)};
-    return cmocka_run_group_tests_name("chain_net", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

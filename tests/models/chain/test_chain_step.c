@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* cnn-chainmail in time: the front, held force, relaxation, unloading, leak, loads, reactions. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/chain_fixture.h"
 
@@ -35,7 +31,7 @@ static double held_force(const setup *s)
 
 /* ---- the paper's plane ---- */
 
-static void held_force_fades_below_the_threshold(void **state)
+TEST(held_force_fades_below_the_threshold)
 {
     setup s;
     setup_plane(&s, 0.02, 1.5, 1.5); /* d_c = 10 sqrt(1.02^2 - 1) = 2.01 */
@@ -49,7 +45,7 @@ static void held_force_fades_below_the_threshold(void **state)
 }
 
 /* A prototype in double had 4.36 after 10 C, 1.33 after 100; arrival 9.2 to 9.4 by its step. */
-static void held_force_relaxes_to_a_minimum_above_it(void **state)
+TEST(held_force_relaxes_to_a_minimum_above_it)
 {
     setup s;
     setup_plane(&s, 0.02, 5.0, 5.0);
@@ -83,7 +79,7 @@ static double chord_deviation(const setup *s)
     return worst;
 }
 
-static void shape_is_no_pyramid(void **state)
+TEST(shape_is_no_pyramid)
 {
     setup s;
     setup_plane(&s, 0.02, 5.0, 20.0);
@@ -110,7 +106,7 @@ static void setup_block(setup *s, int n, int32_t *node, double (*way)[3])
     drive(s, 1, node, way, 2.0);
 }
 
-static void front_gives_the_bits_of_the_full_step(void **state)
+TEST(front_gives_the_bits_of_the_full_step)
 {
     for (int leak = 0; leak < 2; ++leak) {
         setup s[2];
@@ -142,7 +138,7 @@ static void front_gives_the_bits_of_the_full_step(void **state)
     }
 }
 
-static void poke_costs_the_same_in_a_larger_body(void **state)
+TEST(poke_costs_the_same_in_a_larger_body)
 {
     int64_t looked_at[2], moved_nodes[2];
     for (int which = 0; which < 2; ++which) {
@@ -162,7 +158,7 @@ static void poke_costs_the_same_in_a_larger_body(void **state)
     assert_below((double)looked_at[1], 1.25 * (double)looked_at[0]);
 }
 
-static void rest_stays_rest(void **state)
+TEST(rest_stays_rest)
 {
     setup s;
     setup_network(&s, make_box(5, 5, 5, 0.013), 0.0);
@@ -214,7 +210,7 @@ static void loop(ss_chain_unloading rule, double *out_in, double *out_net)
     setup_fini(&s);
 }
 
-static void ramp_dissipates_and_literal_creates(void **state)
+TEST(ramp_dissipates_and_literal_creates)
 {
     double in, net;
     loop(SS_CHAIN_RAMP, &in, &net);
@@ -225,7 +221,7 @@ static void ramp_dissipates_and_literal_creates(void **state)
     assert_true(net > 0.3 * in);
 }
 
-static void leak_brings_back_the_exact_shape(void **state)
+TEST(leak_brings_back_the_exact_shape)
 {
     setup s;
     setup_plane(&s, 0.02, 3.0, 3.0);
@@ -243,7 +239,7 @@ static void leak_brings_back_the_exact_shape(void **state)
 
 /* ---- loads and books ---- */
 
-static void load_is_carried_by_the_supports(void **state)
+TEST(load_is_carried_by_the_supports)
 {
     int32_t node[1] = {5 * 25 - 13};
     setup s;
@@ -266,7 +262,7 @@ static void load_is_carried_by_the_supports(void **state)
     setup_fini(&s);
 }
 
-static void what_moves_a_cell_is_work(void **state)
+TEST(what_moves_a_cell_is_work)
 {
     setup s;
     setup_plane(&s, 0.02, 4.0, 8.0);
@@ -283,7 +279,7 @@ static void what_moves_a_cell_is_work(void **state)
     setup_fini(&s);
 }
 
-static void stiffness_scales_forces_alone(void **state)
+TEST(stiffness_scales_forces_alone)
 {
     double force[2], shape[2];
     for (int which = 0; which < 2; ++which) {
@@ -302,7 +298,7 @@ static void stiffness_scales_forces_alone(void **state)
 
 /* ---- faults ---- */
 
-static void what_cannot_be_honoured_is_refused_by_name(void **state)
+TEST(what_cannot_be_honoured_is_refused_by_name)
 {
     setup s;
     setup_network(&s, make_plane(5), 0.02);
@@ -315,7 +311,7 @@ static void what_cannot_be_honoured_is_refused_by_name(void **state)
     setup_fini(&s);
 }
 
-static void contradiction_is_an_equilibrium_with_energy(void **state)
+TEST(contradiction_is_an_equilibrium_with_energy)
 {
     int32_t node[2] = {0, 8};
     double way[2][3] = {{0.0, 0.0, -5.0}, {0.0, 0.0, 5.0}};
@@ -332,7 +328,7 @@ static void contradiction_is_an_equilibrium_with_energy(void **state)
     setup_fini(&s);
 }
 
-static void too_few_substeps_are_said(void **state)
+TEST(too_few_substeps_are_said)
 {
     setup s;
     setup_network(&s, make_plane(5), 0.02);
@@ -345,7 +341,7 @@ static void too_few_substeps_are_said(void **state)
     setup_fini(&s);
 }
 
-static void not_finite_is_a_fault_until_reset(void **state)
+TEST(not_finite_is_a_fault_until_reset)
 {
     setup s;
     setup_network(&s, make_plane(5), 0.02);
@@ -361,7 +357,7 @@ static void not_finite_is_a_fault_until_reset(void **state)
     setup_fini(&s);
 }
 
-static void a_set_too_fast_to_follow_is_said(void **state)
+TEST(a_set_too_fast_to_follow_is_said)
 {
     setup s;
     setup_plane(&s, 0.02, 40.0, 0.0);
@@ -375,7 +371,7 @@ static void a_set_too_fast_to_follow_is_said(void **state)
 }
 
 /* What turns up in the last sub-step is not published either. */
-static void nothing_not_finite_is_published(void **state)
+TEST(nothing_not_finite_is_published)
 {
     for (int front = 0; front < 2; ++front) {
         double force[3];
@@ -400,7 +396,7 @@ static void nothing_not_finite_is_published(void **state)
 }
 
 /* The energy balance is what says so: energy that nobody brought in stays in it. */
-static void energy_from_nowhere_is_in_the_energy_balance(void **state)
+TEST(energy_from_nowhere_is_in_the_energy_balance)
 {
     setup s;
     setup_plane(&s, 0.0, 4.0, 4.0);
@@ -422,7 +418,7 @@ static void energy_from_nowhere_is_in_the_energy_balance(void **state)
 }
 
 /* Creeping in, never more than a share at a time. */
-static void energy_that_creeps_in_is_found(void **state)
+TEST(energy_that_creeps_in_is_found)
 {
     setup s;
     setup_plane(&s, 0.0, 4.0, 4.0);
@@ -445,25 +441,5 @@ static void energy_that_creeps_in_is_found(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(held_force_fades_below_the_threshold),
-        cmocka_unit_test(held_force_relaxes_to_a_minimum_above_it),
-        cmocka_unit_test(shape_is_no_pyramid),
-        cmocka_unit_test(front_gives_the_bits_of_the_full_step),
-        cmocka_unit_test(poke_costs_the_same_in_a_larger_body),
-        cmocka_unit_test(rest_stays_rest),
-        cmocka_unit_test(ramp_dissipates_and_literal_creates),
-        cmocka_unit_test(leak_brings_back_the_exact_shape),
-        cmocka_unit_test(load_is_carried_by_the_supports),
-        cmocka_unit_test(what_moves_a_cell_is_work),
-        cmocka_unit_test(stiffness_scales_forces_alone),
-        cmocka_unit_test(what_cannot_be_honoured_is_refused_by_name),
-        cmocka_unit_test(contradiction_is_an_equilibrium_with_energy),
-        cmocka_unit_test(too_few_substeps_are_said),
-        cmocka_unit_test(not_finite_is_a_fault_until_reset),
-        cmocka_unit_test(a_set_too_fast_to_follow_is_said),
-        cmocka_unit_test(nothing_not_finite_is_published),
-        cmocka_unit_test(energy_from_nowhere_is_in_the_energy_balance),
-        cmocka_unit_test(energy_that_creeps_in_is_found)};
-    return cmocka_run_group_tests_name("chain_step", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

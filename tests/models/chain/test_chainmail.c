@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The traditional ChainMail: bands, order, relaxation, tools. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/chain_fixture.h"
 #include "common/note_fixture.h"
@@ -25,7 +21,7 @@ static void setup_plane(setup *s, double alpha, bool is_radial, int32_t *node, d
     drive(s, 1, node, way, 2.0);
 }
 
-static void box_makes_the_pyramid(void **state)
+TEST(box_makes_the_pyramid)
 {
     for (int order = 0; order < 2; ++order) {
         int32_t node[1];
@@ -43,7 +39,7 @@ static void box_makes_the_pyramid(void **state)
     }
 }
 
-static void radial_keeps_every_moved_link_in_band(void **state)
+TEST(radial_keeps_every_moved_link_in_band)
 {
     int32_t node[1];
     double way[1][3] = {{0.2, 0.0, 1.5}};
@@ -93,13 +89,13 @@ static double frame_error(bool is_radial)
     return worst;
 }
 
-static void radial_turns_with_the_body_and_box_does_not(void **state)
+TEST(radial_turns_with_the_body_and_box_does_not)
 {
     assert_below(frame_error(true), BY_TYPE(1e-3, 1e-9));
     assert_true(frame_error(false) > 0.1);
 }
 
-static void fixed_nodes_and_what_is_in_band_stay(void **state)
+TEST(fixed_nodes_and_what_is_in_band_stay)
 {
     int32_t node[1];
     double way[1][3] = {{0.0, 0.0, 0.4}};
@@ -129,7 +125,7 @@ static double roughness(const setup *s)
     return sum;
 }
 
-static void relaxation_smooths_what_nobody_holds(void **state)
+TEST(relaxation_smooths_what_nobody_holds)
 {
     double rough[2];
     for (int relaxed = 0; relaxed < 2; ++relaxed) {
@@ -149,7 +145,7 @@ static void relaxation_smooths_what_nobody_holds(void **state)
 
 /* In the model's own force there is nothing; the contact is a spring, working force over radius, to
  * where the surface was. */
-static void tool_moves_what_it_touches_and_feels_a_spring(void **state)
+TEST(tool_moves_what_it_touches_and_feels_a_spring)
 {
     setup s;
     setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
@@ -206,7 +202,7 @@ static void tool_moves_what_it_touches_and_feels_a_spring(void **state)
 }
 
 /* A set that drives z alone leaves x and y to the links. */
-static void axes_that_are_not_prescribed_are_free(void **state)
+TEST(axes_that_are_not_prescribed_are_free)
 {
     int32_t node[2] = {0, 1};
     double way[2][3] = {{-1.0, 0.0, 0.0}, {(double)NAN, (double)NAN, 0.1}};
@@ -225,7 +221,7 @@ static void axes_that_are_not_prescribed_are_free(void **state)
 }
 
 /* A tool that touches nothing takes hold of nothing, whatever another one touches. */
-static void grasp_holds_what_its_own_tool_touches(void **state)
+TEST(grasp_holds_what_its_own_tool_touches)
 {
     setup s;
     setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
@@ -258,7 +254,7 @@ static void grasp_holds_what_its_own_tool_touches(void **state)
     setup_fini(&s);
 }
 
-static void too_few_parts_are_said(void **state)
+TEST(too_few_parts_are_said)
 {
     setup s;
     setup_init(&s, "chainmail", make_box(9, 9, 5, 0.01));
@@ -277,7 +273,7 @@ static void too_few_parts_are_said(void **state)
     setup_fini(&s);
 }
 
-static void a_contact_stiffness_that_is_not_used_is_told(void **state)
+TEST(a_contact_stiffness_that_is_not_used_is_told)
 {
     for (int given = 0; given < 2; ++given) {
         setup s;
@@ -292,7 +288,7 @@ static void a_contact_stiffness_that_is_not_used_is_told(void **state)
     }
 }
 
-static void forces_are_refused_by_name(void **state)
+TEST(forces_are_refused_by_name)
 {
     int32_t node[1] = {12};
     setup s;
@@ -309,17 +305,5 @@ static void forces_are_refused_by_name(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(box_makes_the_pyramid),
-        cmocka_unit_test(radial_keeps_every_moved_link_in_band),
-        cmocka_unit_test(radial_turns_with_the_body_and_box_does_not),
-        cmocka_unit_test(fixed_nodes_and_what_is_in_band_stay),
-        cmocka_unit_test(relaxation_smooths_what_nobody_holds),
-        cmocka_unit_test(tool_moves_what_it_touches_and_feels_a_spring),
-        cmocka_unit_test(axes_that_are_not_prescribed_are_free),
-        cmocka_unit_test(grasp_holds_what_its_own_tool_touches),
-        cmocka_unit_test(too_few_parts_are_said),
-        cmocka_unit_test(a_contact_stiffness_that_is_not_used_is_told),
-        cmocka_unit_test(forces_are_refused_by_name)};
-    return cmocka_run_group_tests_name("chainmail", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,12 +4,7 @@
  * Bodies on rectangular grids, with a material direction and with cells inside: invariance, one
  * potential, the step bound; volumes under loads and tools.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "common/element_fixture.h"
@@ -149,7 +144,7 @@ static double compare_changed(int kind, bool is_free, bool is_renumbered)
     return worst;
 }
 
-static void place_and_numbering_do_not_matter(void **state)
+TEST(place_and_numbering_do_not_matter)
 {
     for (int kind = 0; kind < BODY_KINDS; ++kind) {
         for (int k = 0; k < 4; ++k) {
@@ -158,7 +153,7 @@ static void place_and_numbering_do_not_matter(void **state)
     }
 }
 
-static void forces_are_the_gradient_of_the_potential(void **state)
+TEST(forces_are_the_gradient_of_the_potential)
 {
     for (int kind = 0; kind < 2 * BODY_KINDS; ++kind) {
         const change none = {.q = {1.0, 0.0, 0.0, 0.0}};
@@ -179,7 +174,7 @@ static void forces_are_the_gradient_of_the_potential(void **state)
     }
 }
 
-static void a_free_volume_gains_the_momentum_it_is_given(void **state)
+TEST(a_free_volume_gains_the_momentum_it_is_given)
 {
     const change none = {.q = {1.0, 0.0, 0.0, 0.0}};
     setup s;
@@ -273,7 +268,7 @@ static double measured_over_bound(int kind)
     return ss_cnn_rk4_limit(0.0, 0.0, rate) / bound;
 }
 
-static void the_step_bound_holds_for_all_elements(void **state)
+TEST(the_step_bound_holds_for_all_elements)
 {
     for (int kind = 0; kind < BODY_KINDS; ++kind) {
         const double ratio = measured_over_bound(kind);
@@ -333,7 +328,7 @@ static double press_plate(bool is_grid, double across)
     return force;
 }
 
-static void a_tool_presses_a_grid_as_it_presses_triangles(void **state)
+TEST(a_tool_presses_a_grid_as_it_presses_triangles)
 {
     for (int k = 0; k < 2; ++k) {
         const double across = k == 0 ? 1.0 : 4.0;
@@ -362,7 +357,7 @@ static void setup_apex(setup *s, double length)
     per_node(s, 1.0, 2.0, 0.3);
 }
 
-static void an_apex_stores_half_e_v_eps_squared(void **state)
+TEST(an_apex_stores_half_e_v_eps_squared)
 {
     /* kap = 1/(3 L^2), eps = (H z + z^2/2)/L^2, Qhat = V = L^3/(24 sqrt 2), w = sqrt 2 L/24. */
     const double length = 0.5, modulus = 4000.0, height = sqrt(2.0 / 3.0) * length;
@@ -425,7 +420,7 @@ static double press(setup *s, double depth, double until)
     return s->model->tools.tool[0].force[2];
 }
 
-static void a_pressed_volume_moves_inside(void **state)
+TEST(a_pressed_volume_moves_inside)
 {
     setup s;
     setup_block(&s, 6, 0.5);
@@ -456,7 +451,7 @@ static void a_pressed_volume_moves_inside(void **state)
     setup_fini(&s);
 }
 
-static void a_refined_volume_behaves_the_same_per_volume(void **state)
+TEST(a_refined_volume_behaves_the_same_per_volume)
 {
     SKIP_WHERE_REPEATED();
     double force[2];
@@ -471,7 +466,7 @@ static void a_refined_volume_behaves_the_same_per_volume(void **state)
     assert_near(force[1] / force[0], 1.0, 0.2);
 }
 
-static void an_enclosed_volume_resists_on_its_surface(void **state)
+TEST(an_enclosed_volume_resists_on_its_surface)
 {
     double lost[2];
     for (int k = 0; k < 2; ++k) {
@@ -492,7 +487,7 @@ static void an_enclosed_volume_resists_on_its_surface(void **state)
     assert_true(lost[0] > 0.0 && lost[1] < 0.6 * lost[0]);
 }
 
-static void a_volume_with_too_many_edges_for_a_tool_is_refused(void **state)
+TEST(a_volume_with_too_many_edges_for_a_tool_is_refused)
 {
     setup s;
     setup_block(&s, 27, 0.0);
@@ -504,7 +499,7 @@ static void a_volume_with_too_many_edges_for_a_tool_is_refused(void **state)
     setup_fini(&s);
 }
 
-static void only_the_domain_that_is_asked_for_is_simulated(void **state)
+TEST(only_the_domain_that_is_asked_for_is_simulated)
 {
     setup s;
     setup_init(&s, "cnn-energy", make_block(3, 1.0));
@@ -529,18 +524,5 @@ static void only_the_domain_that_is_asked_for_is_simulated(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(place_and_numbering_do_not_matter),
-        cmocka_unit_test(forces_are_the_gradient_of_the_potential),
-        cmocka_unit_test(a_free_volume_gains_the_momentum_it_is_given),
-        cmocka_unit_test(the_step_bound_holds_for_all_elements),
-        cmocka_unit_test(a_tool_presses_a_grid_as_it_presses_triangles),
-        cmocka_unit_test(an_apex_stores_half_e_v_eps_squared),
-        cmocka_unit_test(a_pressed_volume_moves_inside),
-        cmocka_unit_test(a_refined_volume_behaves_the_same_per_volume),
-        cmocka_unit_test(an_enclosed_volume_resists_on_its_surface),
-        cmocka_unit_test(a_volume_with_too_many_edges_for_a_tool_is_refused),
-        cmocka_unit_test(only_the_domain_that_is_asked_for_is_simulated),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -5,12 +5,7 @@
  * of nodes and tool, the stiffness that the hand is told, tools that are fast, jump and are thrown
  * about, and the columns that carry them. What one touch does after another is test_cnn_touch.c's.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "rt/thread.h"
@@ -34,7 +29,7 @@ static void setup_touched_fan(setup *s)
     s->plan.contact_parts = SS_SURFACE_CENTROIDS;
 }
 
-static void the_fan_under_a_sphere_has_its_closed_form(void **state)
+TEST(the_fan_under_a_sphere_has_its_closed_form)
 {
     static const struct {
         double height, weight, amplitude, psi, force, penalty;
@@ -172,7 +167,7 @@ static void check_gradient(double height, double saturation, double wanted_ampli
     setup_fini(&s);
 }
 
-static void all_forces_are_the_gradient_of_one_potential(void **state)
+TEST(all_forces_are_the_gradient_of_one_potential)
 {
     /* Footprint, the contact cell, and a network that is still on its way. */
     static const char *const choice[3] = {NULL, "source", "solver"};
@@ -183,7 +178,7 @@ static void all_forces_are_the_gradient_of_one_potential(void **state)
     }
 }
 
-static void forces_balance_and_move_with_body_and_tool(void **state)
+TEST(forces_balance_and_move_with_body_and_tool)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -239,7 +234,7 @@ static void check_told(setup *s, ss_model_tool *tool)
     assert_true(contact->viscosity > 0.0 && contact->viscosity <= 0.01 * contact->stiffness);
 }
 
-static void the_stiffness_told_is_the_tangent_and_errs_high(void **state)
+TEST(the_stiffness_told_is_the_tangent_and_errs_high)
 {
     SKIP_WHERE_REPEATED();
     for (int kind = 0; kind < 4; ++kind) {
@@ -255,7 +250,7 @@ static void the_stiffness_told_is_the_tangent_and_errs_high(void **state)
 }
 
 /* Held nodes are stiffer than touched ones, and a closed body resists with all its volume. */
-static void the_stiffness_told_counts_the_grasp(void **state)
+TEST(the_stiffness_told_counts_the_grasp)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -269,7 +264,7 @@ static void the_stiffness_told_counts_the_grasp(void **state)
     setup_fini(&s);
 }
 
-static void the_stiffness_told_counts_the_enclosed_volume(void **state)
+TEST(the_stiffness_told_counts_the_enclosed_volume)
 {
     for (int bodies = 1; bodies <= 2; ++bodies) { /* the second is not touched */
         setup s;
@@ -295,7 +290,7 @@ static void the_stiffness_told_counts_the_enclosed_volume(void **state)
     }
 }
 
-static void contacts_tell_of_nearness_before_they_touch(void **state)
+TEST(contacts_tell_of_nearness_before_they_touch)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -331,7 +326,7 @@ static void contacts_tell_of_nearness_before_they_touch(void **state)
     setup_fini(&s);
 }
 
-static void a_fast_tool_is_sub_stepped_and_does_not_tunnel(void **state)
+TEST(a_fast_tool_is_sub_stepped_and_does_not_tunnel)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -351,7 +346,7 @@ static void a_fast_tool_is_sub_stepped_and_does_not_tunnel(void **state)
     setup_fini(&s);
 }
 
-static void a_tool_that_leaves_or_jumps_keeps_the_energy_balance(void **state)
+TEST(a_tool_that_leaves_or_jumps_keeps_the_energy_balance)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -421,7 +416,7 @@ static void throw_about(uint64_t seed, ss_shape_kind kind)
     setup_fini(&s);
 }
 
-static void tools_thrown_about_leave_the_body_whole(void **state)
+TEST(tools_thrown_about_leave_the_body_whole)
 {
     throw_about(11, SS_SHAPE_SPHERE);
     throw_about(12, SS_SHAPE_CAPSULE);
@@ -432,7 +427,7 @@ static void tools_thrown_about_leave_the_body_whole(void **state)
 
 /* ---- columns ---- */
 
-static void compact_columns_are_the_same_columns(void **state)
+TEST(compact_columns_are_the_same_columns)
 {
     setup s;
     setup_init(&s, "cnn-energy", make_plate(49, 0.2)); /* 2304 cells that can carry a source */
@@ -471,7 +466,7 @@ static void compact_columns_are_the_same_columns(void **state)
     setup_fini(&s);
 }
 
-static void too_many_columns_are_refused_by_name(void **state)
+TEST(too_many_columns_are_refused_by_name)
 {
     if (sizeof(ss_real) != sizeof(double)) {
         return; /* half the nodes suffice in double precision */
@@ -488,19 +483,5 @@ static void too_many_columns_are_refused_by_name(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_fan_under_a_sphere_has_its_closed_form),
-        cmocka_unit_test(all_forces_are_the_gradient_of_one_potential),
-        cmocka_unit_test(forces_balance_and_move_with_body_and_tool),
-        cmocka_unit_test(the_stiffness_told_is_the_tangent_and_errs_high),
-        cmocka_unit_test(the_stiffness_told_counts_the_grasp),
-        cmocka_unit_test(the_stiffness_told_counts_the_enclosed_volume),
-        cmocka_unit_test(contacts_tell_of_nearness_before_they_touch),
-        cmocka_unit_test(a_fast_tool_is_sub_stepped_and_does_not_tunnel),
-        cmocka_unit_test(a_tool_that_leaves_or_jumps_keeps_the_energy_balance),
-        cmocka_unit_test(tools_thrown_about_leave_the_body_whole),
-        cmocka_unit_test(compact_columns_are_the_same_columns),
-        cmocka_unit_test(too_many_columns_are_refused_by_name),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

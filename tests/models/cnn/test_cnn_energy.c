@@ -4,12 +4,7 @@
  * cnn-energy without tools: closed forms, invariants, one equilibrium, the published behaviour of
  * a cylinder. Tolerances are given for single and double precision.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "common/element_fixture.h"
@@ -38,7 +33,7 @@ static double duffing(double z[2], double e, double m, double gamma, double ks, 
     return z[0];
 }
 
-static void the_hexagon_fan_is_exactly_the_duffing_oscillator(void **state)
+TEST(the_hexagon_fan_is_exactly_the_duffing_oscillator)
 {
     static const double direction[3][3] = {{0, 0, 1}, {1, 0, 0}, {0.48, -0.6, 0.64}};
     for (int d = 0; d < 3; ++d) {
@@ -60,7 +55,7 @@ static void the_hexagon_fan_is_exactly_the_duffing_oscillator(void **state)
     }
 }
 
-static void a_saturated_fan_carries_the_rest_by_its_springs(void **state)
+TEST(a_saturated_fan_carries_the_rest_by_its_springs)
 {
     for (int kind = 0; kind < 2; ++kind) {
         setup s;
@@ -80,7 +75,7 @@ static void a_saturated_fan_carries_the_rest_by_its_springs(void **state)
     }
 }
 
-static void pretension_adds_its_stiffness_to_the_fan(void **state)
+TEST(pretension_adds_its_stiffness_to_the_fan)
 {
     setup s;
     int32_t centre = 0;
@@ -98,7 +93,7 @@ static void pretension_adds_its_stiffness_to_the_fan(void **state)
     setup_fini(&s);
 }
 
-static void a_prescribed_node_reports_the_force_that_it_takes(void **state)
+TEST(a_prescribed_node_reports_the_force_that_it_takes)
 {
     setup s;
     int32_t centre = 0;
@@ -123,7 +118,7 @@ static void a_prescribed_node_reports_the_force_that_it_takes(void **state)
     setup_fini(&s);
 }
 
-static void an_axis_that_is_fixed_alone_stays_and_the_others_move(void **state)
+TEST(an_axis_that_is_fixed_alone_stays_and_the_others_move)
 {
     setup s;
     int32_t centre = 0;
@@ -170,7 +165,7 @@ static void run_rho(setup *s, double rho, double saturation)
     steps(s, 400, 0.05);
 }
 
-static void uniform_rho_cancels(void **state)
+TEST(uniform_rho_cancels)
 {
     setup a, b;
     run_rho(&a, 0.05, 0.0);
@@ -181,7 +176,7 @@ static void uniform_rho_cancels(void **state)
     setup_fini(&b);
 }
 
-static void doubling_rho_equals_doubling_the_saturation(void **state)
+TEST(doubling_rho_equals_doubling_the_saturation)
 {
     setup a, b, c;
     run_rho(&a, 0.05, 0.2);
@@ -269,7 +264,7 @@ static void compare_changed(bool is_free, bool is_renumbered, bool is_flipped, d
     setup_fini(&b);
 }
 
-static void place_numbering_and_winding_do_not_matter(void **state)
+TEST(place_numbering_and_winding_do_not_matter)
 {
     for (int is_free = 0; is_free < 2; ++is_free) {
         compare_changed(is_free != 0, false, false, BY_TYPE(2e-5, 1e-11));
@@ -278,7 +273,7 @@ static void place_numbering_and_winding_do_not_matter(void **state)
     }
 }
 
-static void a_free_body_gains_the_momentum_it_is_given(void **state)
+TEST(a_free_body_gains_the_momentum_it_is_given)
 {
     setup s;
     setup_body(&s, 4);
@@ -304,7 +299,7 @@ static void a_free_body_gains_the_momentum_it_is_given(void **state)
 
 /* ---- one potential, one equilibrium ---- */
 
-static void network_forces_are_the_gradient_of_the_potential(void **state)
+TEST(network_forces_are_the_gradient_of_the_potential)
 {
     /* plain; two sources, saturated; T0 and B; free; hinged: fixed, yet free to turn */
     for (int kind = 0; kind < 5; ++kind) {
@@ -334,7 +329,7 @@ static void network_forces_are_the_gradient_of_the_potential(void **state)
     }
 }
 
-static void each_load_has_one_equilibrium(void **state)
+TEST(each_load_has_one_equilibrium)
 {
     setup a, b;
     int32_t top;
@@ -355,7 +350,7 @@ static void each_load_has_one_equilibrium(void **state)
     setup_fini(&b);
 }
 
-static void a_crumpled_body_returns_to_rest(void **state)
+TEST(a_crumpled_body_returns_to_rest)
 {
     for (int kind = 0; kind < 2; ++kind) {
         setup s;
@@ -392,7 +387,7 @@ static double static_depth(double mass, double damping, double dt, int count)
     return depth;
 }
 
-static void the_equilibrium_does_not_depend_on_mass_damping_or_step(void **state)
+TEST(the_equilibrium_does_not_depend_on_mass_damping_or_step)
 {
     const double depth = static_depth(1.0, 2.0, 0.1, 6000);
     assert_true(depth < -0.3);
@@ -401,7 +396,7 @@ static void the_equilibrium_does_not_depend_on_mass_damping_or_step(void **state
     assert_near(static_depth(1.0, 5.0, 0.2, 9000) / depth, 1.0, BY_TYPE(1e-6, 1e-10));
 }
 
-static void a_refined_body_behaves_the_same_per_area(void **state)
+TEST(a_refined_body_behaves_the_same_per_area)
 {
     double depth[2];
     for (int k = 0; k < 2; ++k) {
@@ -438,7 +433,7 @@ static void a_refined_body_behaves_the_same_per_area(void **state)
 
 /* ---- the published cylinder, as a rectangular grid and as triangles ---- */
 
-static void the_cylinder_hardens_with_load(void **state)
+TEST(the_cylinder_hardens_with_load)
 {
     SKIP_WHERE_REPEATED();
     static const double force[7] = {0.01, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
@@ -462,7 +457,7 @@ static void the_cylinder_hardens_with_load(void **state)
     }
 }
 
-static void the_cylinder_creeps_in_the_order_of_its_damping(void **state)
+TEST(the_cylinder_creeps_in_the_order_of_its_damping)
 {
     SKIP_WHERE_REPEATED();
     /* Published for the grid: 38 s and 123.5 s to 90 % of the depth after 400 s. */
@@ -491,7 +486,7 @@ static void the_cylinder_creeps_in_the_order_of_its_damping(void **state)
     }
 }
 
-static void the_cylinder_yields_less_to_a_quick_ramp(void **state)
+TEST(the_cylinder_yields_less_to_a_quick_ramp)
 {
     static const double gamma[4] = {1.0, 4.0, 7.0, 10.0}, depth[4] = {0.709, 0.468, 0.383, 0.334};
     for (int k = 0; k < 4; ++k) {
@@ -507,7 +502,7 @@ static void the_cylinder_yields_less_to_a_quick_ramp(void **state)
     }
 }
 
-static void the_cylinder_shows_hysteresis_and_returns(void **state)
+TEST(the_cylinder_shows_hysteresis_and_returns)
 {
     SKIP_WHERE_REPEATED();
     /* Depths at F = .25 on the way up and down; of the triangles this mesh's own. */
@@ -571,7 +566,7 @@ static dent dent_of(setup *s)
     return out;
 }
 
-static void the_cylinder_follows_its_directions(void **state)
+TEST(the_cylinder_follows_its_directions)
 {
     SKIP_WHERE_REPEATED();
     /* rho along the axis and around it; published depth and width, grid then triangles. */
@@ -596,7 +591,7 @@ static void the_cylinder_follows_its_directions(void **state)
     }
 }
 
-static void the_cylinder_differs_by_its_bands(void **state)
+TEST(the_cylinder_differs_by_its_bands)
 {
     /* Published for bands of .05 and .1, whose places are not told: here two rings each, the
      * pushed ring in a band of .1. */
@@ -613,7 +608,7 @@ static void the_cylinder_differs_by_its_bands(void **state)
     }
 }
 
-static void a_region_of_tiny_rho_stays_still(void **state)
+TEST(a_region_of_tiny_rho_stays_still)
 {
     for (int k = 0; k < 3; ++k) { /* grid, triangles, grid with two tiny rho */
         setup s;
@@ -638,28 +633,5 @@ static void a_region_of_tiny_rho_stays_still(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_hexagon_fan_is_exactly_the_duffing_oscillator),
-        cmocka_unit_test(a_saturated_fan_carries_the_rest_by_its_springs),
-        cmocka_unit_test(pretension_adds_its_stiffness_to_the_fan),
-        cmocka_unit_test(a_prescribed_node_reports_the_force_that_it_takes),
-        cmocka_unit_test(an_axis_that_is_fixed_alone_stays_and_the_others_move),
-        cmocka_unit_test(uniform_rho_cancels),
-        cmocka_unit_test(doubling_rho_equals_doubling_the_saturation),
-        cmocka_unit_test(place_numbering_and_winding_do_not_matter),
-        cmocka_unit_test(a_free_body_gains_the_momentum_it_is_given),
-        cmocka_unit_test(network_forces_are_the_gradient_of_the_potential),
-        cmocka_unit_test(each_load_has_one_equilibrium),
-        cmocka_unit_test(a_crumpled_body_returns_to_rest),
-        cmocka_unit_test(the_equilibrium_does_not_depend_on_mass_damping_or_step),
-        cmocka_unit_test(a_refined_body_behaves_the_same_per_area),
-        cmocka_unit_test(the_cylinder_hardens_with_load),
-        cmocka_unit_test(the_cylinder_creeps_in_the_order_of_its_damping),
-        cmocka_unit_test(the_cylinder_yields_less_to_a_quick_ramp),
-        cmocka_unit_test(the_cylinder_shows_hysteresis_and_returns),
-        cmocka_unit_test(the_cylinder_follows_its_directions),
-        cmocka_unit_test(the_cylinder_differs_by_its_bands),
-        cmocka_unit_test(a_region_of_tiny_rho_stays_still),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -6,13 +6,9 @@
  * carried by classical Runge-Kutta with forces asked of the model, and the step is halved between
  * one that lets it grow and one that does not.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
+#include "common/test.h"
 
-#include <cmocka.h>
+#include <stdio.h>
 
 #include "common/effort.h"
 #include "common/model_fixture.h"
@@ -141,7 +137,7 @@ static double measured_over_computed(dynamics *d, double *out_bound)
     return low;
 }
 
-static void the_computed_step_is_never_beyond_the_measured_limit(void **state)
+TEST(the_computed_step_is_never_beyond_the_measured_limit)
 {
     SKIP_WHERE_REPEATED();
     static const struct {
@@ -187,7 +183,7 @@ static ss_mesh *make_sliver(double gap)
     return mesh;
 }
 
-static void slivers_are_stepped_safely_or_refused(void **state)
+TEST(slivers_are_stepped_safely_or_refused)
 {
     fprintf(stderr, "   gap  outcome\n");
     for (int power = 0; power <= 6; ++power) {
@@ -218,7 +214,7 @@ static void slivers_are_stepped_safely_or_refused(void **state)
     }
 }
 
-static void forces_to_a_million_end_finite_and_every_guard_is_told(void **state)
+TEST(forces_to_a_million_end_finite_and_every_guard_is_told)
 {
     fprintf(stderr, "     F  largest u  sub-steps  verdict\n");
     for (int power = 0; power <= 6; ++power) {
@@ -252,10 +248,5 @@ static void forces_to_a_million_end_finite_and_every_guard_is_told(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_computed_step_is_never_beyond_the_measured_limit),
-        cmocka_unit_test(slivers_are_stepped_safely_or_refused),
-        cmocka_unit_test(forces_to_a_million_end_finite_and_every_guard_is_told),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,12 +4,7 @@
  * cnn-energy with its network in its own time: the literal equations, how far the field is from
  * the settled one, saturation, energy. Tools on it, and what is refused: test_cnn_relax_touch.c.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "common/model_fixture.h"
@@ -29,7 +24,7 @@ static void setup_relaxed(setup *s, double steps_a_substep)
     give(s, "relaxation_steps", steps_a_substep);
 }
 
-static void states_follow_the_literal_network_for_any_resistance(void **state)
+TEST(states_follow_the_literal_network_for_any_resistance)
 {
     for (int trial = 0; trial < 2; ++trial) {
         setup s;
@@ -61,7 +56,7 @@ static void states_follow_the_literal_network_for_any_resistance(void **state)
     }
 }
 
-static void the_step_is_below_the_limit_of_the_fastest_mode(void **state)
+TEST(the_step_is_below_the_limit_of_the_fastest_mode)
 {
     setup s;
     literal net;
@@ -143,7 +138,7 @@ static void count_steps(setup *s, int32_t cell, int32_t out_steps[2], double *ou
     free(v);
 }
 
-static void the_error_of_the_field_falls_at_the_rate_that_is_told(void **state)
+TEST(the_error_of_the_field_falls_at_the_rate_that_is_told)
 {
     for (int kind = 0; kind < 3; ++kind) { /* held, held and uneven, free */
         setup s;
@@ -176,7 +171,7 @@ static void the_error_of_the_field_falls_at_the_rate_that_is_told(void **state)
     }
 }
 
-static void settled_columns_are_those_of_the_direct_solve(void **state)
+TEST(settled_columns_are_those_of_the_direct_solve)
 {
     setup s;
     int32_t patch[3] = {TOP, TOP + 1, TOP + 24};
@@ -204,7 +199,7 @@ static void settled_columns_are_those_of_the_direct_solve(void **state)
 
 /* ---- saturation ---- */
 
-static void a_saturated_network_settles_on_the_obstacle_for_any_resistance(void **state)
+TEST(a_saturated_network_settles_on_the_obstacle_for_any_resistance)
 {
     SKIP_WHERE_REPEATED();
     for (int trial = 0; trial < 3; ++trial) {
@@ -245,7 +240,7 @@ static void a_saturated_network_settles_on_the_obstacle_for_any_resistance(void 
     }
 }
 
-static void outputs_stay_within_saturation_while_the_network_spreads(void **state)
+TEST(outputs_stay_within_saturation_while_the_network_spreads)
 {
     setup s;
     int32_t top = TOP;
@@ -269,7 +264,7 @@ static void outputs_stay_within_saturation_while_the_network_spreads(void **stat
 
 /* ---- bodies ---- */
 
-static void the_fan_comes_to_the_same_rest_by_its_own_time(void **state)
+TEST(the_fan_comes_to_the_same_rest_by_its_own_time)
 {
     setup s;
     int32_t centre = 0;
@@ -290,7 +285,7 @@ static void the_fan_comes_to_the_same_rest_by_its_own_time(void **state)
     setup_fini(&s);
 }
 
-static void bodies_come_to_the_same_rest_and_slower_networks_later(void **state)
+TEST(bodies_come_to_the_same_rest_and_slower_networks_later)
 {
     SKIP_WHERE_REPEATED();
     setup settled, relaxed, slow;
@@ -344,7 +339,7 @@ static double spread_energy(const setup *s, const double *ghat, int32_t cell)
     return 0.5 * modulus * fmax(eps, 0.0) * fmax(eps, 0.0);
 }
 
-static void the_networks_work_is_what_its_flux_brings_and_no_more(void **state)
+TEST(the_networks_work_is_what_its_flux_brings_and_no_more)
 {
     setup s;
     int32_t top = TOP;
@@ -381,7 +376,7 @@ static void the_networks_work_is_what_its_flux_brings_and_no_more(void **state)
     setup_fini(&s);
 }
 
-static void a_release_gives_back_everything(void **state)
+TEST(a_release_gives_back_everything)
 {
     SKIP_WHERE_REPEATED();
     setup s;
@@ -404,17 +399,5 @@ static void a_release_gives_back_everything(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(states_follow_the_literal_network_for_any_resistance),
-        cmocka_unit_test(the_step_is_below_the_limit_of_the_fastest_mode),
-        cmocka_unit_test(the_error_of_the_field_falls_at_the_rate_that_is_told),
-        cmocka_unit_test(settled_columns_are_those_of_the_direct_solve),
-        cmocka_unit_test(a_saturated_network_settles_on_the_obstacle_for_any_resistance),
-        cmocka_unit_test(outputs_stay_within_saturation_while_the_network_spreads),
-        cmocka_unit_test(the_fan_comes_to_the_same_rest_by_its_own_time),
-        cmocka_unit_test(bodies_come_to_the_same_rest_and_slower_networks_later),
-        cmocka_unit_test(the_networks_work_is_what_its_flux_brings_and_no_more),
-        cmocka_unit_test(a_release_gives_back_everything),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,12 +4,7 @@
  * cnn-energy with its network in its own time, under tools and loads, held and free; what of it is
  * refused, and what it tells. The network itself: test_cnn_relax.c.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "common/note_fixture.h"
@@ -45,7 +40,7 @@ static int32_t states_in_use(const setup *s)
     return count;
 }
 
-static void cells_spread_while_touched_and_start_anew_after(void **state)
+TEST(cells_spread_while_touched_and_start_anew_after)
 {
     SKIP_WHERE_REPEATED();
     setup settled, s;
@@ -111,7 +106,7 @@ static uint64_t hash_after_press(setup *s)
     return hash_of(s);
 }
 
-static void equal_runs_give_equal_bits_also_after_a_reset(void **state)
+TEST(equal_runs_give_equal_bits_also_after_a_reset)
 {
     uint64_t hash[4];
     for (int k = 0; k < 3; ++k) {
@@ -177,7 +172,7 @@ static void momentum_of(const setup *s, double out[3])
     }
 }
 
-static void two_tools_and_loads_keep_the_energy_balance_whatever_is_chosen(void **state)
+TEST(two_tools_and_loads_keep_the_energy_balance_whatever_is_chosen)
 {
     SKIP_WHERE_REPEATED();
     for (int kind = 0; kind < 16; ++kind) {
@@ -225,7 +220,7 @@ static void two_tools_and_loads_keep_the_energy_balance_whatever_is_chosen(void 
     }
 }
 
-static void free_bodies_move_by_what_pushes_them(void **state)
+TEST(free_bodies_move_by_what_pushes_them)
 {
     for (int kind = FREE; kind < 16; kind += 2) {
         setup s;
@@ -246,7 +241,7 @@ static void free_bodies_move_by_what_pushes_them(void **state)
 
 /* ---- the interface ---- */
 
-static void steps_without_relaxation_and_cells_without_area_are_refused(void **state)
+TEST(steps_without_relaxation_and_cells_without_area_are_refused)
 {
     setup s;
     int32_t top = TOP;
@@ -287,7 +282,7 @@ static void steps_without_relaxation_and_cells_without_area_are_refused(void **s
     setup_fini(&s);
 }
 
-static void too_many_states_are_refused_before_they_are_solved(void **state)
+TEST(too_many_states_are_refused_before_they_are_solved)
 {
     setup s;
     setup_init(&s, "cnn-energy", make_plate(70, 0.2));
@@ -299,7 +294,7 @@ static void too_many_states_are_refused_before_they_are_solved(void **state)
     setup_fini(&s);
 }
 
-static void cost_and_explanation_count_the_networks_steps(void **state)
+TEST(cost_and_explanation_count_the_networks_steps)
 {
     double cost[4];
     for (int k = 0; k < 4; ++k) {
@@ -328,14 +323,5 @@ static void cost_and_explanation_count_the_networks_steps(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cells_spread_while_touched_and_start_anew_after),
-        cmocka_unit_test(equal_runs_give_equal_bits_also_after_a_reset),
-        cmocka_unit_test(two_tools_and_loads_keep_the_energy_balance_whatever_is_chosen),
-        cmocka_unit_test(free_bodies_move_by_what_pushes_them),
-        cmocka_unit_test(steps_without_relaxation_and_cells_without_area_are_refused),
-        cmocka_unit_test(too_many_states_are_refused_before_they_are_solved),
-        cmocka_unit_test(cost_and_explanation_count_the_networks_steps),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

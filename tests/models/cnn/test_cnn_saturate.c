@@ -5,12 +5,7 @@
  * exhaustive search, one convex potential of several saturated sources, one equilibrium, and the
  * closed forms where there are any.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/model_fixture.h"
 #include "rt/thread.h"
@@ -93,7 +88,7 @@ static bool search_lcp(int n, const double *matrix, const double *q, double *out
     return false;
 }
 
-static void the_complementarity_problem_is_solved_exactly(void **state)
+TEST(the_complementarity_problem_is_solved_exactly)
 {
     random_state = 11;
     for (int trial = 0; trial < 400; ++trial) {
@@ -152,7 +147,7 @@ static void draw_problem(double metric[SIZE], double potential[SIZE * SIZE], dou
     }
 }
 
-static void strengths_are_the_projection_and_nothing_is_nearer(void **state)
+TEST(strengths_are_the_projection_and_nothing_is_nearer)
 {
     random_state = 5;
     int held = 0, off = 0;
@@ -197,7 +192,7 @@ static void strengths_are_the_projection_and_nothing_is_nearer(void **state)
 
 /* Wishes far beyond K: what acts is a small share of them. It never exceeds K, and as long as it is
  * said to be solved nothing is nearer. */
-static void wishes_far_beyond_the_output_keep_every_condition(void **state)
+TEST(wishes_far_beyond_the_output_keep_every_condition)
 {
     random_state = 3;
     for (int trial = 0; trial < 600; ++trial) {
@@ -273,7 +268,7 @@ static bool find_slopes(const double *metric, const double *potential, double *w
     return is_smooth;
 }
 
-static void the_projection_is_a_gradient_and_the_literal_clip_is_none(void **state)
+TEST(the_projection_is_a_gradient_and_the_literal_clip_is_none)
 {
     random_state = 8;
     int smooth = 0;
@@ -358,7 +353,7 @@ static void setup_trio(setup *s, trio *at, double rho, double saturation)
     s->load[2].node_count = 3;
 }
 
-static void strengths_in_a_body_keep_every_condition(void **state)
+TEST(strengths_in_a_body_keep_every_condition)
 {
     setup s;
     trio at;
@@ -395,7 +390,7 @@ static void strengths_in_a_body_keep_every_condition(void **state)
     setup_fini(&s);
 }
 
-static void potentials_are_those_of_the_network(void **state)
+TEST(potentials_are_those_of_the_network)
 {
     setup s;
     trio at;
@@ -428,7 +423,7 @@ static void potentials_are_those_of_the_network(void **state)
     setup_fini(&s);
 }
 
-static void forces_of_saturated_sources_are_one_gradient(void **state)
+TEST(forces_of_saturated_sources_are_one_gradient)
 {
     setup s;
     trio at;
@@ -464,7 +459,7 @@ static void forces_of_saturated_sources_are_one_gradient(void **state)
     setup_fini(&s);
 }
 
-static void saturated_bodies_have_one_equilibrium(void **state)
+TEST(saturated_bodies_have_one_equilibrium)
 {
     setup a, b;
     trio at, other;
@@ -488,7 +483,7 @@ static void saturated_bodies_have_one_equilibrium(void **state)
     setup_fini(&b);
 }
 
-static void doubling_rho_doubles_the_saturation_of_several_too(void **state)
+TEST(doubling_rho_doubles_the_saturation_of_several_too)
 {
     setup a, b, c;
     trio at[3];
@@ -517,7 +512,7 @@ static void doubling_rho_doubles_the_saturation_of_several_too(void **state)
     setup_fini(&c);
 }
 
-static void two_fans_that_do_not_touch_saturate_each_on_its_own(void **state)
+TEST(two_fans_that_do_not_touch_saturate_each_on_its_own)
 {
     draft d;
     setup s;
@@ -552,7 +547,7 @@ static void two_fans_that_do_not_touch_saturate_each_on_its_own(void **state)
     setup_fini(&s);
 }
 
-static void too_many_saturated_sources_are_refused(void **state)
+TEST(too_many_saturated_sources_are_refused)
 {
     static int32_t node[17];
     static ss_load load[17];
@@ -587,7 +582,7 @@ static void too_many_saturated_sources_are_refused(void **state)
 
 /* ---- for given currents ---- */
 
-static void the_obstacle_is_met_exactly_where_currents_are_cut(void **state)
+TEST(the_obstacle_is_met_exactly_where_currents_are_cut)
 {
     setup s;
     setup_cylinder(&s, 1.0);
@@ -643,19 +638,5 @@ static void the_obstacle_is_met_exactly_where_currents_are_cut(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_complementarity_problem_is_solved_exactly),
-        cmocka_unit_test(strengths_are_the_projection_and_nothing_is_nearer),
-        cmocka_unit_test(wishes_far_beyond_the_output_keep_every_condition),
-        cmocka_unit_test(the_projection_is_a_gradient_and_the_literal_clip_is_none),
-        cmocka_unit_test(strengths_in_a_body_keep_every_condition),
-        cmocka_unit_test(potentials_are_those_of_the_network),
-        cmocka_unit_test(forces_of_saturated_sources_are_one_gradient),
-        cmocka_unit_test(saturated_bodies_have_one_equilibrium),
-        cmocka_unit_test(doubling_rho_doubles_the_saturation_of_several_too),
-        cmocka_unit_test(two_fans_that_do_not_touch_saturate_each_on_its_own),
-        cmocka_unit_test(too_many_saturated_sources_are_refused),
-        cmocka_unit_test(the_obstacle_is_met_exactly_where_currents_are_cut),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,12 +4,7 @@
  * cnn-energy in time: the step bound, sub-steps, budget and faults, and what acts without a tool:
  * pressure, gravity, an enclosed volume.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "common/model_fixture.h"
@@ -40,7 +35,7 @@ static double amplification(double d, double w, double dt)
     return root < 0.0 ? sqrt(det) : 0.5 * fabs(trace) + sqrt(root);
 }
 
-static void the_rk4_limit_is_the_edge_of_stability(void **state)
+TEST(the_rk4_limit_is_the_edge_of_stability)
 {
     for (int k = 0; k <= 60; ++k) {
         const double w = 10.0, d = w * pow(10.0, -2.0 + 0.06 * k);
@@ -60,7 +55,7 @@ static void the_rk4_limit_is_the_edge_of_stability(void **state)
     }
 }
 
-static void the_step_bound_covers_the_stiffest_mode(void **state)
+TEST(the_step_bound_covers_the_stiffest_mode)
 {
     /* Power iteration on the dynamics themselves: x := force(u + x) - force(u), over the mass. */
     setup s;
@@ -124,7 +119,7 @@ static void the_step_bound_covers_the_stiffest_mode(void **state)
     setup_fini(&s);
 }
 
-static void huge_forces_are_sub_stepped_and_stay_finite(void **state)
+TEST(huge_forces_are_sub_stepped_and_stay_finite)
 {
     static const double force[3] = {1.0, 1e4, 1e6};
     for (int k = 0; k < 3; ++k) {
@@ -145,7 +140,7 @@ static void huge_forces_are_sub_stepped_and_stay_finite(void **state)
     }
 }
 
-static void beyond_the_budget_time_slows_down_and_it_is_said(void **state)
+TEST(beyond_the_budget_time_slows_down_and_it_is_said)
 {
     setup s;
     int32_t top = TOP;
@@ -169,7 +164,7 @@ static void beyond_the_budget_time_slows_down_and_it_is_said(void **state)
     setup_fini(&s);
 }
 
-static void a_state_that_is_not_finite_is_a_fault_until_reset(void **state)
+TEST(a_state_that_is_not_finite_is_a_fault_until_reset)
 {
     setup s;
     int32_t top = TOP;
@@ -197,7 +192,7 @@ static void a_state_that_is_not_finite_is_a_fault_until_reset(void **state)
     setup_fini(&s);
 }
 
-static void the_audit_error_falls_with_the_fourth_power_of_the_step(void **state)
+TEST(the_audit_error_falls_with_the_fourth_power_of_the_step)
 {
     double error[2];
     for (int k = 0; k < 2; ++k) {
@@ -218,7 +213,7 @@ static void the_audit_error_falls_with_the_fourth_power_of_the_step(void **state
 
 /* ---- pressure, gravity, volume ---- */
 
-static void pressure_follows_the_surface_and_sums_to_nothing_on_a_closed_body(void **state)
+TEST(pressure_follows_the_surface_and_sums_to_nothing_on_a_closed_body)
 {
     setup s;
     setup_body(&s, 4);
@@ -248,7 +243,7 @@ static void pressure_follows_the_surface_and_sums_to_nothing_on_a_closed_body(vo
     setup_fini(&s);
 }
 
-static void gravity_hangs_each_node_on_its_spring(void **state)
+TEST(gravity_hangs_each_node_on_its_spring)
 {
     setup s;
     setup_body(&s, 3);
@@ -284,7 +279,7 @@ static double enclosed_volume(const setup *s)
     return volume;
 }
 
-static void what_is_enclosed_keeps_most_of_its_volume(void **state)
+TEST(what_is_enclosed_keeps_most_of_its_volume)
 {
     double lost[2];
     for (int k = 0; k < 2; ++k) {
@@ -314,7 +309,7 @@ static void what_is_enclosed_keeps_most_of_its_volume(void **state)
 }
 
 /* Each body encloses a volume of its own: what presses one does not inflate the other. */
-static void bodies_of_one_mesh_enclose_a_volume_each(void **state)
+TEST(bodies_of_one_mesh_enclose_a_volume_each)
 {
     static setup s[2];
     for (int k = 0; k < 2; ++k) {
@@ -361,7 +356,7 @@ static void bodies_of_one_mesh_enclose_a_volume_each(void **state)
 }
 
 /* A ball in a ball, the inner one inside out, and a third beside them. */
-static void a_cavity_belongs_to_the_body_around_it(void **state)
+TEST(a_cavity_belongs_to_the_body_around_it)
 {
     setup s;
     ss_mesh *ball[3] = {make_ellipsoid(4, 1.0, 1.0, 1.0), make_ellipsoid(3, 0.5, 0.5, 0.5),
@@ -401,7 +396,7 @@ static void a_cavity_belongs_to_the_body_around_it(void **state)
 }
 
 /* Runge-Kutta near its stable step: at omega h = 1.9 a cycle loses a third of its energy. */
-static void a_step_that_loses_energy_says_so(void **state)
+TEST(a_step_that_loses_energy_says_so)
 {
     for (int kind = 0; kind < 2; ++kind) {
         const double dt = kind == 0 ? 0.1 : 1.9;
@@ -422,19 +417,5 @@ static void a_step_that_loses_energy_says_so(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_step_that_loses_energy_says_so),
-        cmocka_unit_test(the_rk4_limit_is_the_edge_of_stability),
-        cmocka_unit_test(the_step_bound_covers_the_stiffest_mode),
-        cmocka_unit_test(huge_forces_are_sub_stepped_and_stay_finite),
-        cmocka_unit_test(beyond_the_budget_time_slows_down_and_it_is_said),
-        cmocka_unit_test(a_state_that_is_not_finite_is_a_fault_until_reset),
-        cmocka_unit_test(the_audit_error_falls_with_the_fourth_power_of_the_step),
-        cmocka_unit_test(pressure_follows_the_surface_and_sums_to_nothing_on_a_closed_body),
-        cmocka_unit_test(gravity_hangs_each_node_on_its_spring),
-        cmocka_unit_test(what_is_enclosed_keeps_most_of_its_volume),
-        cmocka_unit_test(bodies_of_one_mesh_enclose_a_volume_each),
-        cmocka_unit_test(a_cavity_belongs_to_the_body_around_it),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

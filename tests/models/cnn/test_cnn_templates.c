@@ -4,12 +4,7 @@
  * The network's templates on triangles, rectangular grids and tetrahedra: the printed formulas,
  * patch tests, materials with a direction, and the columns against a dense solve.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/element_fixture.h"
 #include "rt/thread.h"
@@ -79,7 +74,7 @@ static double moments_of(const ss_cnn_network *network, const ss_mesh *mesh, int
 
 /* ---- templates as printed ---- */
 
-static void the_hexagon_fan_has_the_printed_template(void **state)
+TEST(the_hexagon_fan_has_the_printed_template)
 {
     const double h = 0.3;
     ss_mesh *mesh = make_fan(h);
@@ -105,7 +100,7 @@ static void the_hexagon_fan_has_the_printed_template(void **state)
     free_mesh(mesh);
 }
 
-static void a_tensor_grid_has_the_printed_template(void **state)
+TEST(a_tensor_grid_has_the_printed_template)
 {
     enum { ROWS = 5, COLUMNS = 6 };
     static const double x[ROWS] = {0.0, 0.3, 0.35, 1.0, 1.2};
@@ -145,7 +140,7 @@ static double one_sided(const ss_mesh *mesh, int32_t at, int32_t to, int32_t lef
     return 0.5 * (ss_norm3(side[0]) + ss_norm3(side[1])) / ss_norm3(length);
 }
 
-static void a_distorted_grid_takes_the_mean_of_both_ends(void **state)
+TEST(a_distorted_grid_takes_the_mean_of_both_ends)
 {
     enum { SIDE = 5 };
     double position[SIDE * SIDE][3];
@@ -171,7 +166,7 @@ static void a_distorted_grid_takes_the_mean_of_both_ends(void **state)
     free_mesh(mesh);
 }
 
-static void an_edge_in_a_volume_has_its_dual_face(void **state)
+TEST(an_edge_in_a_volume_has_its_dual_face)
 {
     /* The ball fan: D from its four corners, one by one; V a quarter of the star. */
     const double h = 0.4;
@@ -226,7 +221,7 @@ static void an_edge_in_a_volume_has_its_dual_face(void **state)
     free_mesh(mesh);
 }
 
-static void what_is_left_of_an_edge_is_the_sum_of_its_elements(void **state)
+TEST(what_is_left_of_an_edge_is_the_sum_of_its_elements)
 {
     for (int kind = 0; kind < 3; ++kind) {
         ss_mesh *mesh = kind == 0   ? make_plate(4, 1.0)
@@ -275,7 +270,7 @@ static void assert_moments(const ss_cnn_network *network, const ss_mesh *mesh, i
     }
 }
 
-static void a_linear_potential_is_reproduced_on_tensor_grids(void **state)
+TEST(a_linear_potential_is_reproduced_on_tensor_grids)
 {
     static const double x[5] = {0.0, 0.3, 0.35, 1.0, 1.2}, even[5] = {0.0, 0.5, 1.0, 1.5, 2.0};
     ss_mesh *mesh = make_tensor_grid(5, 5, x, even);
@@ -292,7 +287,7 @@ static void a_linear_potential_is_reproduced_on_tensor_grids(void **state)
     free_mesh(mesh);
 }
 
-static void triangles_are_consistent_when_equilateral(void **state)
+TEST(triangles_are_consistent_when_equilateral)
 {
     ss_mesh *mesh = make_fan(0.3);
     ss_cnn_network *network =
@@ -346,7 +341,7 @@ static ss_mesh *make_lattice_cell(void)
                            (const int32_t(*)[4])tetrahedron);
 }
 
-static void tetrahedra_conduct_a_little_too_well(void **state)
+TEST(tetrahedra_conduct_a_little_too_well)
 {
     /* sum |D| L >= 6 V, equal only where every dual face stands upright on its edge. Linear and
      * isotropic in the body-centred lattice, 4 % high; linear, but stretched and 19 % high, in
@@ -373,7 +368,7 @@ static void tetrahedra_conduct_a_little_too_well(void **state)
 
 /* ---- materials with a direction ---- */
 
-static void a_grid_conducts_by_its_sides(void **state)
+TEST(a_grid_conducts_by_its_sides)
 {
     enum { ROWS = 3, COLUMNS = 4, NODES = ROWS * COLUMNS };
     static const double x[ROWS] = {0.0, 0.3, 0.7}, y[COLUMNS] = {0.0, 0.2, 0.5, 1.0};
@@ -411,7 +406,7 @@ static void a_grid_conducts_by_its_sides(void **state)
     free_mesh(mesh);
 }
 
-static void where_directions_differ_an_edge_takes_their_share(void **state)
+TEST(where_directions_differ_an_edge_takes_their_share)
 {
     /* Two quads, one beside the other, the first with u along x, the second along y. */
     static const double x[2] = {0.0, 1.0}, y[3] = {0.0, 1.0, 4.0};
@@ -433,7 +428,7 @@ static void where_directions_differ_an_edge_takes_their_share(void **state)
     free_mesh(mesh);
 }
 
-static void triangles_conduct_by_the_angle_to_the_projected_direction(void **state)
+TEST(triangles_conduct_by_the_angle_to_the_projected_direction)
 {
     /* Edges of three directions carry both: a ratio r comes out as (3 + r) : (1 + 3 r). */
     const double r = 4.0;
@@ -469,7 +464,7 @@ static void triangles_conduct_by_the_angle_to_the_projected_direction(void **sta
     free_mesh(mesh);
 }
 
-static void tetrahedra_conduct_by_the_angle_in_space(void **state)
+TEST(tetrahedra_conduct_by_the_angle_in_space)
 {
     static const double direction[3] = {0.48, -0.6, 0.64};
     double along[27], across[27];
@@ -586,7 +581,7 @@ static void check_column(const ss_cnn_network *network, ss_cnn_network *solved, 
     free(kap);
 }
 
-static void columns_agree_with_a_dense_solve(void **state)
+TEST(columns_agree_with_a_dense_solve)
 {
     static const double direction[3] = {0.6, 0.0, 0.8};
     for (int run = 0; run < 6; ++run) {
@@ -623,7 +618,7 @@ static void columns_agree_with_a_dense_solve(void **state)
 }
 
 /* Nothing is held: every part drains and has a cell pinned. */
-static void a_drained_network_settles_the_same_without_a_factor(void **state)
+TEST(a_drained_network_settles_the_same_without_a_factor)
 {
     static const int32_t node[3] = {3, 17, 40};
     static const double weight[3] = {0.5, 0.3, 0.2};
@@ -651,21 +646,5 @@ static void a_drained_network_settles_the_same_without_a_factor(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_hexagon_fan_has_the_printed_template),
-        cmocka_unit_test(a_tensor_grid_has_the_printed_template),
-        cmocka_unit_test(a_distorted_grid_takes_the_mean_of_both_ends),
-        cmocka_unit_test(an_edge_in_a_volume_has_its_dual_face),
-        cmocka_unit_test(what_is_left_of_an_edge_is_the_sum_of_its_elements),
-        cmocka_unit_test(a_linear_potential_is_reproduced_on_tensor_grids),
-        cmocka_unit_test(triangles_are_consistent_when_equilateral),
-        cmocka_unit_test(tetrahedra_conduct_a_little_too_well),
-        cmocka_unit_test(a_grid_conducts_by_its_sides),
-        cmocka_unit_test(where_directions_differ_an_edge_takes_their_share),
-        cmocka_unit_test(triangles_conduct_by_the_angle_to_the_projected_direction),
-        cmocka_unit_test(tetrahedra_conduct_by_the_angle_in_space),
-        cmocka_unit_test(columns_agree_with_a_dense_solve),
-        cmocka_unit_test(a_drained_network_settles_the_same_without_a_factor),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

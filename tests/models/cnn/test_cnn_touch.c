@@ -4,12 +4,7 @@
  * cnn-energy in the course of a touch, on a plate: slides and closed loops, the contact cell alone,
  * second tools, grasps.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "rt/thread.h"
@@ -73,7 +68,7 @@ static slide run_slide(double dt, double x0, double speed, bool is_one_cell)
     return out;
 }
 
-static void a_sliding_tool_feels_no_jumps(void **state)
+TEST(a_sliding_tool_feels_no_jumps)
 {
     const slide s = run_slide(5e-4, -0.015, 0.05, false);
     assert_true(s.mean > 0.08 && s.mean < 0.14);
@@ -81,7 +76,7 @@ static void a_sliding_tool_feels_no_jumps(void **state)
     assert_true(s.residual < 1e-8);
 }
 
-static void closed_loops_gain_nothing_in_either_direction(void **state)
+TEST(closed_loops_gain_nothing_in_either_direction)
 {
     SKIP_WHERE_REPEATED();
     /* From the soft rim's side to the stiff middle and back: without the forces through the
@@ -106,7 +101,7 @@ static void setup_one_cell(setup *s, int tools)
     create(s);
 }
 
-static void one_cell_carries_the_whole_source_of_a_load(void **state)
+TEST(one_cell_carries_the_whole_source_of_a_load)
 {
     /* Seven nodes pushed: the force is on all of them, the source on the one in their middle. */
     int32_t pushed[7] = {12 * 25 + 12, 12 * 25 + 13, 12 * 25 + 11, 13 * 25 + 12,
@@ -138,7 +133,7 @@ static void one_cell_carries_the_whole_source_of_a_load(void **state)
     setup_fini(&one);
 }
 
-static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void **state)
+TEST(the_contact_cell_follows_until_pressed_and_stays_until_let_go)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -185,7 +180,7 @@ static void the_contact_cell_follows_until_pressed_and_stays_until_let_go(void *
 }
 
 /* A sub-step that is taken back has pressed nothing: the tool goes on to the next cell. */
-static void a_press_that_is_taken_back_holds_no_cell(void **state)
+TEST(a_press_that_is_taken_back_holds_no_cell)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -208,7 +203,7 @@ static void a_press_that_is_taken_back_holds_no_cell(void **state)
 
 /* A first attempt far too long is taken back with the tool above the plate, where nothing is
  * stored, and with the tool pressed in: only that is told. */
-static void what_is_taken_back_is_told_where_it_could_be_felt(void **state)
+TEST(what_is_taken_back_is_told_where_it_could_be_felt)
 {
     for (int is_pressed = 0; is_pressed < 2; ++is_pressed) {
         setup s;
@@ -231,7 +226,7 @@ static void what_is_taken_back_is_told_where_it_could_be_felt(void **state)
 }
 
 /* The same run twice gives the same bits, the second time after a reset in the midst of a grasp. */
-static void a_reset_forgets_every_touch(void **state)
+TEST(a_reset_forgets_every_touch)
 {
     SKIP_WHERE_REPEATED();
     for (int mode = 0; mode < 4; ++mode) {
@@ -267,7 +262,7 @@ static void a_reset_forgets_every_touch(void **state)
     }
 }
 
-static void a_cell_that_is_chosen_anew_beside_a_dent_is_booked(void **state)
+TEST(a_cell_that_is_chosen_anew_beside_a_dent_is_booked)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -291,7 +286,7 @@ static void a_cell_that_is_chosen_anew_beside_a_dent_is_booked(void **state)
     setup_fini(&s);
 }
 
-static void a_slide_with_one_cell_is_smooth_and_gains_nothing(void **state)
+TEST(a_slide_with_one_cell_is_smooth_and_gains_nothing)
 {
     SKIP_WHERE_REPEATED();
     const slide s = run_slide(5e-4, -0.015, 0.05, true);
@@ -301,7 +296,7 @@ static void a_slide_with_one_cell_is_smooth_and_gains_nothing(void **state)
     assert_true(s.residual < 1e-8);
 }
 
-static void two_starts_lead_to_one_answer(void **state)
+TEST(two_starts_lead_to_one_answer)
 {
     setup a, b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}}, other[SOFTSIM_MAX_PROBES] = {{0}};
@@ -325,7 +320,7 @@ static void two_starts_lead_to_one_answer(void **state)
     setup_fini(&b);
 }
 
-static void second_tools_add_their_own_potential(void **state)
+TEST(second_tools_add_their_own_potential)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -353,7 +348,7 @@ static void second_tools_add_their_own_potential(void **state)
 
 /* A tool that comes to tissue which another one has strained touches it like any other: it is not
  * held off by what is stored there already. */
-static void strained_tissue_holds_no_tool_off(void **state)
+TEST(strained_tissue_holds_no_tool_off)
 {
     SKIP_WHERE_REPEATED();
     const double radius = 2.0 * PLATE_EDGE;
@@ -392,7 +387,7 @@ static double tools_work(const setup *s, int count, double (*last)[3])
 
 /* Two tools take turns with one spot, and one always comes to what the other has strained: tissue
  * never has more, nor has lost more, than they put in. */
-static void strained_tissue_gains_nothing_from_a_touch(void **state)
+TEST(strained_tissue_gains_nothing_from_a_touch)
 {
     (void)state;
     const double radius = 2.0 * PLATE_EDGE, dt = 2e-4;
@@ -440,7 +435,7 @@ static void lift(setup *s, ss_model_tool *tool, double y)
     }
 }
 
-static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **state)
+TEST(a_grasp_starts_without_a_jump_and_lets_go_without_a_gain)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -475,7 +470,7 @@ static void a_grasp_starts_without_a_jump_and_lets_go_without_a_gain(void **stat
     setup_fini(&s);
 }
 
-static void a_grasp_that_is_taken_again_loses_nothing_unsaid(void **state)
+TEST(a_grasp_that_is_taken_again_loses_nothing_unsaid)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -496,22 +491,5 @@ static void a_grasp_that_is_taken_again_loses_nothing_unsaid(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sliding_tool_feels_no_jumps),
-        cmocka_unit_test(closed_loops_gain_nothing_in_either_direction),
-        cmocka_unit_test(one_cell_carries_the_whole_source_of_a_load),
-        cmocka_unit_test(the_contact_cell_follows_until_pressed_and_stays_until_let_go),
-        cmocka_unit_test(a_press_that_is_taken_back_holds_no_cell),
-        cmocka_unit_test(what_is_taken_back_is_told_where_it_could_be_felt),
-        cmocka_unit_test(a_reset_forgets_every_touch),
-        cmocka_unit_test(a_cell_that_is_chosen_anew_beside_a_dent_is_booked),
-        cmocka_unit_test(a_slide_with_one_cell_is_smooth_and_gains_nothing),
-        cmocka_unit_test(two_starts_lead_to_one_answer),
-        cmocka_unit_test(second_tools_add_their_own_potential),
-        cmocka_unit_test(strained_tissue_holds_no_tool_off),
-        cmocka_unit_test(strained_tissue_gains_nothing_from_a_touch),
-        cmocka_unit_test(a_grasp_starts_without_a_jump_and_lets_go_without_a_gain),
-        cmocka_unit_test(a_grasp_that_is_taken_again_loses_nothing_unsaid),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

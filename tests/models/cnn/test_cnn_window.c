@@ -4,12 +4,7 @@
  * cnn-energy on large bodies: what an active set leaves out must not be missed. Beside each run
  * with an active set stands the same run with all nodes active.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "common/model_fixture.h"
@@ -127,7 +122,7 @@ static int32_t far_node(const pair *p)
 
 /* ---- with and without ---- */
 
-static void the_field_and_the_energy_balance_are_those_of_the_whole_body(void **state)
+TEST(the_field_and_the_energy_balance_are_those_of_the_whole_body)
 {
     SKIP_WHERE_REPEATED();
     static const struct {
@@ -173,7 +168,7 @@ static void the_field_and_the_energy_balance_are_those_of_the_whole_body(void **
     }
 }
 
-static void the_window_follows_the_load_and_closes_at_rest(void **state)
+TEST(the_window_follows_the_load_and_closes_at_rest)
 {
     SKIP_WHERE_REPEATED();
     pair p;
@@ -211,7 +206,7 @@ static void the_window_follows_the_load_and_closes_at_rest(void **state)
     pair_fini(&p);
 }
 
-static void prescribed_nodes_open_the_window_too(void **state)
+TEST(prescribed_nodes_open_the_window_too)
 {
     SKIP_WHERE_REPEATED();
     setup s[2];
@@ -261,7 +256,7 @@ static double rim_share(const setup *s)
     return active / all;
 }
 
-static void a_strong_far_field_wakes_the_blocks_at_held_cells(void **state)
+TEST(a_strong_far_field_wakes_the_blocks_at_held_cells)
 {
     pair p;
     create_pair(&p, 0.0, 0.0, false, 200.0);
@@ -277,7 +272,7 @@ static void a_strong_far_field_wakes_the_blocks_at_held_cells(void **state)
 }
 
 /* Kernels take two nodes at a time: the spare one of an odd number is none. */
-static void nodes_are_counted_once(void **state)
+TEST(nodes_are_counted_once)
 {
     SKIP_WHERE_REPEATED();
     setup s;
@@ -304,7 +299,7 @@ static void nodes_are_counted_once(void **state)
 }
 
 /* What a block had when it last moved says nothing of the step now. */
-static void still_nodes_do_not_limit_the_step(void **state)
+TEST(still_nodes_do_not_limit_the_step)
 {
     SKIP_WHERE_REPEATED();
     pair p;
@@ -321,7 +316,7 @@ static void still_nodes_do_not_limit_the_step(void **state)
 }
 
 /* Several loads that saturate together, a prescribed patch, pretension and an enclosed volume. */
-static void everything_at_once_is_that_of_the_whole_body(void **state)
+TEST(everything_at_once_is_that_of_the_whole_body)
 {
     static const double top[3] = {0.0, 0.0, 0.8}, side[3] = {1.0, 0.0, 0.0},
                         back[3] = {0.0, -0.9, 0.0};
@@ -393,7 +388,7 @@ static void everything_at_once_is_that_of_the_whole_body(void **state)
 
 /* ---- guards ---- */
 
-static void steps_that_are_taken_back_take_the_far_field_back(void **state)
+TEST(steps_that_are_taken_back_take_the_far_field_back)
 {
     pair p;
     create_pair(&p, 50.0, 2000.0, false, 1e6);
@@ -421,7 +416,7 @@ static void steps_that_are_taken_back_take_the_far_field_back(void **state)
     pair_fini(&p);
 }
 
-static void reset_and_threads_give_the_same_bits(void **state)
+TEST(reset_and_threads_give_the_same_bits)
 {
     uint64_t hash[3];
     pair p;
@@ -454,7 +449,7 @@ static const char *reason_of(setup *s)
     return s->model->set ? NULL : s->model->window_reason;
 }
 
-static void bodies_that_gain_nothing_have_no_window(void **state)
+TEST(bodies_that_gain_nothing_have_no_window)
 {
     SKIP_WHERE_REPEATED();
     static const double top[3] = {0.0, 0.0, 0.8};
@@ -496,7 +491,7 @@ static void bodies_that_gain_nothing_have_no_window(void **state)
     }
 }
 
-static void refuses_a_tolerance_that_means_nothing(void **state)
+TEST(refuses_a_tolerance_that_means_nothing)
 {
     static const double wrong[] = {-1e-4, 0.5, (double)NAN};
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; ++k) {
@@ -512,18 +507,5 @@ static void refuses_a_tolerance_that_means_nothing(void **state)
 int main(void)
 {
     ss_thread_flush_denormals();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_field_and_the_energy_balance_are_those_of_the_whole_body),
-        cmocka_unit_test(the_window_follows_the_load_and_closes_at_rest),
-        cmocka_unit_test(prescribed_nodes_open_the_window_too),
-        cmocka_unit_test(nodes_are_counted_once),
-        cmocka_unit_test(still_nodes_do_not_limit_the_step),
-        cmocka_unit_test(everything_at_once_is_that_of_the_whole_body),
-        cmocka_unit_test(a_strong_far_field_wakes_the_blocks_at_held_cells),
-        cmocka_unit_test(steps_that_are_taken_back_take_the_far_field_back),
-        cmocka_unit_test(reset_and_threads_give_the_same_bits),
-        cmocka_unit_test(bodies_that_gain_nothing_have_no_window),
-        cmocka_unit_test(refuses_a_tolerance_that_means_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

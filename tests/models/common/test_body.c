@@ -4,17 +4,13 @@
  * The body that Newtonian models share, under a law with closed forms: motion, energy balance,
  * loads, supports, guards. Tools on it are test_body_contact.c's.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "body_fixture.h"
 
 /* ---- motion ---- */
 
-static void what_falls_freely_falls_exactly(void **state)
+TEST(what_falls_freely_falls_exactly)
 {
     for (int m = 0; m < 2; ++m) {
         bench b;
@@ -39,7 +35,7 @@ static void what_falls_freely_falls_exactly(void **state)
     }
 }
 
-static void an_oscillator_has_the_frequency_of_its_method(void **state)
+TEST(an_oscillator_has_the_frequency_of_its_method)
 {
     const double dt = 2e-3;
     for (int m = 0; m < 2; ++m) {
@@ -62,7 +58,7 @@ static void an_oscillator_has_the_frequency_of_its_method(void **state)
     }
 }
 
-static void the_stable_step_is_the_edge_of_stability(void **state)
+TEST(the_stable_step_is_the_edge_of_stability)
 {
     for (int m = 0; m < 2; ++m) {
         for (int is_over = 0; is_over < 2; ++is_over) {
@@ -86,7 +82,7 @@ static void the_stable_step_is_the_edge_of_stability(void **state)
     }
 }
 
-static void a_step_that_is_too_long_does_not_go_unseen(void **state)
+TEST(a_step_that_is_too_long_does_not_go_unseen)
 {
     for (int m = 0; m < 2; ++m) {
         bench b;
@@ -109,7 +105,7 @@ static void a_step_that_is_too_long_does_not_go_unseen(void **state)
     }
 }
 
-static void the_energy_balance_of_ten_thousand_steps_closes(void **state)
+TEST(the_energy_balance_of_ten_thousand_steps_closes)
 {
     bench b;
     bench_init(&b);
@@ -131,7 +127,7 @@ static void the_energy_balance_of_ten_thousand_steps_closes(void **state)
     bench_fini(&b);
 }
 
-static void damping_takes_what_is_booked(void **state)
+TEST(damping_takes_what_is_booked)
 {
     for (int m = 0; m < 2; ++m) {
         for (int kind = 0; kind < 2; ++kind) { /* mass damping, viscosity */
@@ -160,7 +156,7 @@ static void damping_takes_what_is_booked(void **state)
 
 /* ---- loads and supports ---- */
 
-static void supports_answer_what_loads_push(void **state)
+TEST(supports_answer_what_loads_push)
 {
     int32_t pushed[2] = {21, 22}, held[3] = {0, 1, 5};
     double way[3][3] = {{1e-3, 0.0, NAN}, {1e-3, 0.0, NAN}, {1e-3, 0.0, NAN}};
@@ -200,7 +196,7 @@ static void supports_answer_what_loads_push(void **state)
     bench_fini(&b);
 }
 
-static void prescribed_nodes_go_at_constant_velocity_and_pay(void **state)
+TEST(prescribed_nodes_go_at_constant_velocity_and_pay)
 {
     int32_t held[1] = {10};
     double way[1][3] = {{5e-3, NAN, NAN}};
@@ -225,7 +221,7 @@ static void prescribed_nodes_go_at_constant_velocity_and_pay(void **state)
     bench_fini(&b);
 }
 
-static void pressure_pushes_along_the_surface(void **state)
+TEST(pressure_pushes_along_the_surface)
 {
     int32_t side[16];
     int32_t count = 0;
@@ -260,7 +256,7 @@ static void pressure_pushes_along_the_surface(void **state)
 
 /* A load that rises step by step moves the told velocity, which is ahead of the stored one, at
  * once: that is its work, and no spurious energy. */
-static void a_rising_load_gains_nothing(void **state)
+TEST(a_rising_load_gains_nothing)
 {
     for (int m = 0; m < 2; ++m) {
         int32_t node[2] = {20, 21};
@@ -285,7 +281,7 @@ static void a_rising_load_gains_nothing(void **state)
     }
 }
 
-static void mass_that_moves_takes_its_weight_along(void **state)
+TEST(mass_that_moves_takes_its_weight_along)
 {
     bench b;
     bench_init(&b);
@@ -301,7 +297,7 @@ static void mass_that_moves_takes_its_weight_along(void **state)
 
 /* ---- guards ---- */
 
-static void a_blow_is_slowed_down_and_said(void **state)
+TEST(a_blow_is_slowed_down_and_said)
 {
     int32_t hit[1] = {21};
     const double blow[] = {1e2, 1e6, 1e12};
@@ -325,7 +321,7 @@ static void a_blow_is_slowed_down_and_said(void **state)
     }
 }
 
-static void what_is_not_finite_is_put_back_until_reset(void **state)
+TEST(what_is_not_finite_is_put_back_until_reset)
 {
     bench b;
     bench_init(&b);
@@ -354,7 +350,7 @@ static void what_is_not_finite_is_put_back_until_reset(void **state)
     bench_fini(&b);
 }
 
-static void too_small_a_budget_is_slower_than_time_and_said(void **state)
+TEST(too_small_a_budget_is_slower_than_time_and_said)
 {
     bench b;
     bench_init(&b);
@@ -371,7 +367,7 @@ static void too_small_a_budget_is_slower_than_time_and_said(void **state)
     bench_fini(&b);
 }
 
-static void a_flight_out_of_the_world_is_cut_off(void **state)
+TEST(a_flight_out_of_the_world_is_cut_off)
 {
     bench b;
     bench_init(&b);
@@ -384,7 +380,7 @@ static void a_flight_out_of_the_world_is_cut_off(void **state)
     bench_fini(&b);
 }
 
-static void energy_from_nowhere_is_taken_out_and_said(void **state)
+TEST(energy_from_nowhere_is_taken_out_and_said)
 {
     bench b;
     bench_init(&b);
@@ -397,7 +393,7 @@ static void energy_from_nowhere_is_taken_out_and_said(void **state)
     bench_fini(&b);
 }
 
-static void faults_of_a_plan_are_named(void **state)
+TEST(faults_of_a_plan_are_named)
 {
     int32_t fixed[1] = {3}, none[1] = {21};
     bench b;
@@ -425,24 +421,5 @@ static void faults_of_a_plan_are_named(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_falls_freely_falls_exactly),
-        cmocka_unit_test(an_oscillator_has_the_frequency_of_its_method),
-        cmocka_unit_test(the_stable_step_is_the_edge_of_stability),
-        cmocka_unit_test(a_step_that_is_too_long_does_not_go_unseen),
-        cmocka_unit_test(the_energy_balance_of_ten_thousand_steps_closes),
-        cmocka_unit_test(damping_takes_what_is_booked),
-        cmocka_unit_test(supports_answer_what_loads_push),
-        cmocka_unit_test(prescribed_nodes_go_at_constant_velocity_and_pay),
-        cmocka_unit_test(pressure_pushes_along_the_surface),
-        cmocka_unit_test(a_rising_load_gains_nothing),
-        cmocka_unit_test(a_blow_is_slowed_down_and_said),
-        cmocka_unit_test(what_is_not_finite_is_put_back_until_reset),
-        cmocka_unit_test(too_small_a_budget_is_slower_than_time_and_said),
-        cmocka_unit_test(a_flight_out_of_the_world_is_cut_off),
-        cmocka_unit_test(energy_from_nowhere_is_taken_out_and_said),
-        cmocka_unit_test(faults_of_a_plan_are_named),
-        cmocka_unit_test(mass_that_moves_takes_its_weight_along),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

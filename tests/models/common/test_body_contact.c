@@ -5,11 +5,7 @@
  * and takes, the stiffness that is felt, grasps, a surface that rides on the nodes, and the same
  * bits from the same touch.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "body_fixture.h"
 #include "rt/hash.h"
@@ -65,7 +61,7 @@ static void bench_pressed(bench *b, ss_model_tool tool[SOFTSIM_MAX_PROBES])
     press(b, tool, 4e-3, 100);
 }
 
-static void a_tool_gets_back_what_it_gives(void **state)
+TEST(a_tool_gets_back_what_it_gives)
 {
     for (int m = 0; m < 2; ++m) {
         bench b;
@@ -99,7 +95,7 @@ static void a_tool_gets_back_what_it_gives(void **state)
     }
 }
 
-static void the_felt_stiffness_errs_high_but_little(void **state)
+TEST(the_felt_stiffness_errs_high_but_little)
 {
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
@@ -121,7 +117,7 @@ static void the_felt_stiffness_errs_high_but_little(void **state)
     bench_fini(&b);
 }
 
-static void a_grasp_pulls_and_lets_go(void **state)
+TEST(a_grasp_pulls_and_lets_go)
 {
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
@@ -148,7 +144,7 @@ static void a_grasp_pulls_and_lets_go(void **state)
     bench_fini(&b);
 }
 
-static void a_fast_tool_is_swept_and_does_not_tunnel(void **state)
+TEST(a_fast_tool_is_swept_and_does_not_tunnel)
 {
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
@@ -200,7 +196,7 @@ static double carry_same_rate2(void *owner, int32_t count, const int32_t *node, 
     return largest;
 }
 
-static void a_skin_of_the_nodes_themselves_changes_nothing(void **state)
+TEST(a_skin_of_the_nodes_themselves_changes_nothing)
 {
     ss_contact_set set[2];
     double stable[2];
@@ -241,7 +237,7 @@ static uint64_t whole_hash(bench *b)
     return hash;
 }
 
-static void the_same_run_gives_the_same_bits_also_after_a_reset(void **state)
+TEST(the_same_run_gives_the_same_bits_also_after_a_reset)
 {
     bench b;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
@@ -265,13 +261,5 @@ static void the_same_run_gives_the_same_bits_also_after_a_reset(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_tool_gets_back_what_it_gives),
-        cmocka_unit_test(the_felt_stiffness_errs_high_but_little),
-        cmocka_unit_test(a_grasp_pulls_and_lets_go),
-        cmocka_unit_test(a_fast_tool_is_swept_and_does_not_tunnel),
-        cmocka_unit_test(a_skin_of_the_nodes_themselves_changes_nothing),
-        cmocka_unit_test(the_same_run_gives_the_same_bits_also_after_a_reset),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

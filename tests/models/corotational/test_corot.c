@@ -6,12 +6,7 @@
  * from being crushed, turned inside out and scrambled; it never makes energy; what it says of
  * reactions, contact and itself is so. Its elements are test_corot_kernels.c's.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "bench/core/static_fem.h"
 #include "common/block_fixture.h"
@@ -66,7 +61,7 @@ static void place(setup *s, void (*to)(const double x[3], double out_u[3]))
 
 /* ---- at rest ---- */
 
-static void rest_stays_rest(void **state)
+TEST(rest_stays_rest)
 {
     setup s;
     setup_bar(&s, 1e4, 0.45);
@@ -87,7 +82,7 @@ static void turned(const double x[3], double out_u[3])
     out_u[1] += 0.3;
 }
 
-static void a_turned_body_is_at_rest(void **state)
+TEST(a_turned_body_is_at_rest)
 {
     setup s;
     setup_corot(&s, make_block(&(block_size){.cells = {3, 2, 2}, .size = {0.06, 0.04, 0.04}}), 1e4,
@@ -103,7 +98,7 @@ static void a_turned_body_is_at_rest(void **state)
     setup_fini(&s);
 }
 
-static void free_fall_is_exact(void **state)
+TEST(free_fall_is_exact)
 {
     setup s;
     setup_corot(&s, make_block(&(block_size){.cells = {2, 2, 2}, .size = {0.04, 0.04, 0.04}}), 1e3,
@@ -129,7 +124,7 @@ static void settle(setup *s)
     assert_int_equal(info_of(s).verdict, SOFTSIM_VERDICT_GOOD);
 }
 
-static void settles_where_the_static_solution_is(void **state)
+TEST(settles_where_the_static_solution_is)
 {
     setup s;
     setup_bar(&s, 2e4, 0.4);
@@ -163,7 +158,7 @@ static void settles_where_the_static_solution_is(void **state)
 }
 
 /* Reference b: the beam at 0.02 g, on its coarsest mesh; its floor is for linear tetrahedra. */
-static void bends_as_the_reference_beam(void **state)
+TEST(bends_as_the_reference_beam)
 {
     setup s;
     ss_mesh *mesh = NULL;
@@ -184,7 +179,7 @@ static void bends_as_the_reference_beam(void **state)
     setup_fini(&s);
 }
 
-static void prescribed_nodes_arrive_and_push_back(void **state)
+TEST(prescribed_nodes_arrive_and_push_back)
 {
     setup s;
     int32_t end[16], count = 0;
@@ -221,7 +216,7 @@ static void prescribed_nodes_arrive_and_push_back(void **state)
     setup_fini(&s);
 }
 
-static void elements_differ_in_stiffness(void **state)
+TEST(elements_differ_in_stiffness)
 {
     setup soft, hard;
     setup_bar(&soft, 1e4, 0.3);
@@ -264,7 +259,7 @@ static void stays_bounded(double young, double poisson, double dt, double ratio,
     setup_fini(&s);
 }
 
-static void stays_bounded_at_any_step_stiffness_and_mass(void **state)
+TEST(stays_bounded_at_any_step_stiffness_and_mass)
 {
     stays_bounded(1e4, 0.45, 1.0, 1.0, 10);
     stays_bounded(1e4, 0.45, 1e-6, 1.0, 10);
@@ -319,14 +314,14 @@ static void comes_back(void (*from)(const double x[3], double out_u[3]))
     setup_fini(&s);
 }
 
-static void comes_back_from_anything(void **state)
+TEST(comes_back_from_anything)
 {
     comes_back(scrambled);
     comes_back(mirrored);
     comes_back(flattened);
 }
 
-static void never_makes_energy(void **state)
+TEST(never_makes_energy)
 {
     static const double dt[] = {1e-4, 1e-3, 1e-2};
     for (int k = 0; k < 3; ++k) {
@@ -344,7 +339,7 @@ static void never_makes_energy(void **state)
     }
 }
 
-static void viscosity_and_mass_damping_dissipate(void **state)
+TEST(viscosity_and_mass_damping_dissipate)
 {
     static const int row[] = {SS_COROT_MASS_DAMPING, SS_COROT_STIFFNESS_DAMPING,
                               SS_COROT_VISCOSITY_PSI};
@@ -394,7 +389,7 @@ static void press(setup *s, ss_model_tool *tool, double depth, int count)
     }
 }
 
-static void presses_and_is_pressed(void **state)
+TEST(presses_and_is_pressed)
 {
     double force[2];
     for (int k = 0; k < 2; ++k) {
@@ -420,7 +415,7 @@ static void presses_and_is_pressed(void **state)
 
 /* What a tool does on its way to where it stays for the step is work, to the last digit, also where
  * it touches on little of that way. */
-static void a_tool_that_darts_about_makes_no_energy(void **state)
+TEST(a_tool_that_darts_about_makes_no_energy)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -440,7 +435,7 @@ static void a_tool_that_darts_about_makes_no_energy(void **state)
     setup_fini(&s);
 }
 
-static void holds_what_it_grasps(void **state)
+TEST(holds_what_it_grasps)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
@@ -464,7 +459,7 @@ static void holds_what_it_grasps(void **state)
 
 /* ---- what it promises ---- */
 
-static void same_input_gives_same_bits(void **state)
+TEST(same_input_gives_same_bits)
 {
     uint64_t hash[3];
     setup s;
@@ -489,7 +484,7 @@ static void same_input_gives_same_bits(void **state)
     setup_fini(&s);
 }
 
-static void says_when_it_was_not_solved(void **state)
+TEST(says_when_it_was_not_solved)
 {
     setup s;
     setup_bar(&s, 1e6, 0.49);
@@ -511,7 +506,7 @@ static void refuse(setup *s, const char *words)
     setup_fini(s);
 }
 
-static void refuses_what_it_cannot_honour(void **state)
+TEST(refuses_what_it_cannot_honour)
 {
     setup s;
     setup_bar(&s, 1e4, 0.3);
@@ -531,24 +526,5 @@ static void refuses_what_it_cannot_honour(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rest_stays_rest),
-        cmocka_unit_test(a_turned_body_is_at_rest),
-        cmocka_unit_test(free_fall_is_exact),
-        cmocka_unit_test(settles_where_the_static_solution_is),
-        cmocka_unit_test(bends_as_the_reference_beam),
-        cmocka_unit_test(prescribed_nodes_arrive_and_push_back),
-        cmocka_unit_test(elements_differ_in_stiffness),
-        cmocka_unit_test(stays_bounded_at_any_step_stiffness_and_mass),
-        cmocka_unit_test(comes_back_from_anything),
-        cmocka_unit_test(never_makes_energy),
-        cmocka_unit_test(viscosity_and_mass_damping_dissipate),
-        cmocka_unit_test(presses_and_is_pressed),
-        cmocka_unit_test(a_tool_that_darts_about_makes_no_energy),
-        cmocka_unit_test(holds_what_it_grasps),
-        cmocka_unit_test(same_input_gives_same_bits),
-        cmocka_unit_test(says_when_it_was_not_solved),
-        cmocka_unit_test(refuses_what_it_cannot_honour),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

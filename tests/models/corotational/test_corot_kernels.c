@@ -4,12 +4,7 @@
  * models/corot_kernels: the rotation is the nearest one, inside out too, the force the exact
  * gradient of the energy, the tangent symmetric and positive.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <string.h>
 
@@ -150,7 +145,7 @@ static void random_deformation(int kind, double f[3][3])
 }
 
 /* With lambda = 0: W = mu V |F - R|^2 = mu V (|F|^2 + 3 - 2 tr(R^T F)), least at the best R. */
-static void turns_by_the_nearest_rotation(void **state)
+TEST(turns_by_the_nearest_rotation)
 {
     octet o;
     octet_init(&o, 0.0, 6.0);
@@ -183,7 +178,7 @@ static void turns_by_the_nearest_rotation(void **state)
     octet_fini(&o);
 }
 
-static void force_is_the_gradient_of_the_energy(void **state)
+TEST(force_is_the_gradient_of_the_energy)
 {
     octet o;
     octet_init(&o, 12.0, 6.0);
@@ -215,7 +210,7 @@ static void force_is_the_gradient_of_the_energy(void **state)
     octet_fini(&o);
 }
 
-static void tangent_is_symmetric_and_positive(void **state)
+TEST(tangent_is_symmetric_and_positive)
 {
     octet o;
     octet_init(&o, 12.0, 6.0);
@@ -248,10 +243,5 @@ static void tangent_is_symmetric_and_positive(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(turns_by_the_nearest_rotation),
-        cmocka_unit_test(force_is_the_gradient_of_the_energy),
-        cmocka_unit_test(tangent_is_symmetric_and_positive),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

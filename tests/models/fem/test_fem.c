@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Forces of tetrahedra against the laws, and what must hold of them on any mesh. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "fem_fixture.h"
 
@@ -92,7 +87,7 @@ static void near_field(const ss_real *field, const double *expected, int32_t nod
 }
 
 /* Random, and squeezed so that the guard and the floor act. */
-static void kernels_compute_the_laws(void **state)
+TEST(kernels_compute_the_laws)
 {
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         for (int squeeze = 0; squeeze < 2; ++squeeze) {
@@ -148,7 +143,7 @@ static double energy_at(setup *s, const ss_real *u, ss_real *force)
 }
 
 /* With the cure too: force is minus the slope of the energy, and the tangent the slope of force. */
-static void forces_and_tangents_are_slopes(void **state)
+TEST(forces_and_tangents_are_slopes)
 {
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         for (int cure = 1; cure <= 2; ++cure) {
@@ -190,7 +185,7 @@ static void forces_and_tangents_are_slopes(void **state)
 
 /* ---- patch, rigid motion, offset ---- */
 
-static void affine_motion_leaves_no_force_inside(void **state)
+TEST(affine_motion_leaves_no_force_inside)
 {
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         for (int cure = 1; cure <= 2; ++cure) {
@@ -260,7 +255,7 @@ static double turned_force(int kind, double offset, double angle)
     return largest[0] / largest[1];
 }
 
-static void rigid_motion_needs_no_force(void **state)
+TEST(rigid_motion_needs_no_force)
 {
     for (int kind = 0; kind < SS_TISSUE_LINEAR; ++kind) {
         assert_true(turned_force(kind, 0.0, 0.8) < BY_TYPE(4e-4, 1e-11));
@@ -311,7 +306,7 @@ static double tip_answer(double offset, bool is_turned, bool is_shuffled)
     return answer;
 }
 
-static void place_axes_and_numbers_change_nothing(void **state)
+TEST(place_axes_and_numbers_change_nothing)
 {
     const double answer = tip_answer(0.0, false, false);
     assert_true(answer < -1e-3);
@@ -334,7 +329,7 @@ static double mean_energy(setup *s, int count)
 }
 
 /* Free in space, random velocities, 3 % strain or so. */
-static void momentum_and_energy_last(void **state)
+TEST(momentum_and_energy_last)
 {
     setup s;
     block_setup(&s, &small, SS_TISSUE_STVK_GUARDED, 0.3);
@@ -379,7 +374,7 @@ static void momentum_and_energy_last(void **state)
 /* ---- loads and materials ---- */
 
 /* A bar of two moduli in a row: the same stress, strains as one to three. */
-static void elements_have_their_own_material(void **state)
+TEST(elements_have_their_own_material)
 {
     setup s;
     const block_size size = {.cells = {2, 1, 1}, .size = {0.02, 0.01, 0.01}, .jitter = 0.0};
@@ -423,7 +418,7 @@ static void elements_have_their_own_material(void **state)
 }
 
 /* Shear of a wide slab at given viscosity: the top moves at mu/psi's own time. */
-static void viscosity_creeps_in_its_own_time(void **state)
+TEST(viscosity_creeps_in_its_own_time)
 {
     setup s;
     const block_size size = {.cells = {1, 1, 2}, .size = {0.01, 0.01, 0.02}, .jitter = 0.0};
@@ -491,7 +486,7 @@ static void with_unstable_moduli(setup *s)
     give_row(s, SS_FEM_MU, 1e3);
 }
 
-static void says_what_is_wrong_with_a_material(void **state)
+TEST(says_what_is_wrong_with_a_material)
 {
     refuses(without_ratio, "give youngs_modulus_pa and poisson_ratio, or lame_lambda_pa");
     refuses(with_both, "these two together and no other");
@@ -500,16 +495,5 @@ static void says_what_is_wrong_with_a_material(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(kernels_compute_the_laws),
-        cmocka_unit_test(forces_and_tangents_are_slopes),
-        cmocka_unit_test(affine_motion_leaves_no_force_inside),
-        cmocka_unit_test(rigid_motion_needs_no_force),
-        cmocka_unit_test(place_axes_and_numbers_change_nothing),
-        cmocka_unit_test(momentum_and_energy_last),
-        cmocka_unit_test(elements_have_their_own_material),
-        cmocka_unit_test(viscosity_creeps_in_its_own_time),
-        cmocka_unit_test(says_what_is_wrong_with_a_material),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -2,12 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The laws of tissue against closed forms, and against themselves: stress is the slope of energy,
  * the tangent that of stress. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <string.h>
 
@@ -65,7 +60,7 @@ static void random_gradient(int which, double h[9])
     }
 }
 
-static void stress_is_the_slope_of_energy(void **state)
+TEST(stress_is_the_slope_of_energy)
 {
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         const ss_tissue_law law = law_of(kind);
@@ -84,7 +79,7 @@ static void stress_is_the_slope_of_energy(void **state)
     }
 }
 
-static void tangent_is_the_slope_of_stress(void **state)
+TEST(tangent_is_the_slope_of_stress)
 {
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         const ss_tissue_law law = law_of(kind);
@@ -110,7 +105,7 @@ static void tangent_is_the_slope_of_stress(void **state)
     }
 }
 
-static void uniaxial_stress_is_that_of_the_closed_forms(void **state)
+TEST(uniaxial_stress_is_that_of_the_closed_forms)
 {
     static const double stretch[3] = {0.8, 1.2, 1.5};
     static const double confined[3] = {-1.512, 2.772, 9.84375};
@@ -142,7 +137,7 @@ static void uniaxial_stress_is_that_of_the_closed_forms(void **state)
             SS_TISSUE_STABLE_NEO_HOOKEAN);
 }
 
-static void guard_makes_confined_compression_monotone(void **state)
+TEST(guard_makes_confined_compression_monotone)
 {
     const ss_tissue_law guarded = law_of(SS_TISSUE_STVK_GUARDED), plain = law_of(SS_TISSUE_STVK);
     double last = -1e30, last_plain = -1e30, p[9];
@@ -159,7 +154,7 @@ static void guard_makes_confined_compression_monotone(void **state)
     assert_true(turns > 0); /* what the guard is for */
 }
 
-static void all_laws_agree_at_rest(void **state)
+TEST(all_laws_agree_at_rest)
 {
     const ss_tissue_law linear = law_of(SS_TISSUE_LINEAR);
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
@@ -179,7 +174,7 @@ static void all_laws_agree_at_rest(void **state)
 }
 
 /* P(Q F) = Q P(F), and no viscous stress from turning. */
-static void turning_the_body_turns_the_stress(void **state)
+TEST(turning_the_body_turns_the_stress)
 {
     const double c = cos(0.7), s = sin(0.7);
     const double q[9] = {c, -s, 0, s, c, 0, 0, 0, 1};
@@ -211,7 +206,7 @@ static void turning_the_body_turns_the_stress(void **state)
     }
 }
 
-static void viscous_power_is_stress_times_rate(void **state)
+TEST(viscous_power_is_stress_times_rate)
 {
     for (int kind = 0; kind < SS_TISSUE_KIND_COUNT; ++kind) {
         const ss_tissue_law law = law_of(kind);
@@ -230,7 +225,7 @@ static void viscous_power_is_stress_times_rate(void **state)
     }
 }
 
-static void lame_constants_are_those_of_the_books(void **state)
+TEST(lame_constants_are_those_of_the_books)
 {
     double lambda, mu;
     ss_tissue_lame(3000.0, 0.45, &lambda, &mu);
@@ -238,7 +233,7 @@ static void lame_constants_are_those_of_the_books(void **state)
     assert_true(fabs(lambda - 9310.344827586209) < 1e-8);
 }
 
-static void gradients_are_exact_for_affine_fields(void **state)
+TEST(gradients_are_exact_for_affine_fields)
 {
     const double x[4][3] = {{0.1, 0.2, -0.1}, {1.1, 0.1, 0}, {0.2, 1.3, 0.1}, {0, 0.1, 0.9}};
     double g[4][3], h[9] = {0.0}, a[9];
@@ -264,16 +259,5 @@ static void gradients_are_exact_for_affine_fields(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(stress_is_the_slope_of_energy),
-        cmocka_unit_test(tangent_is_the_slope_of_stress),
-        cmocka_unit_test(uniaxial_stress_is_that_of_the_closed_forms),
-        cmocka_unit_test(guard_makes_confined_compression_monotone),
-        cmocka_unit_test(all_laws_agree_at_rest),
-        cmocka_unit_test(turning_the_body_turns_the_stress),
-        cmocka_unit_test(viscous_power_is_stress_times_rate),
-        cmocka_unit_test(lame_constants_are_those_of_the_books),
-        cmocka_unit_test(gradients_are_exact_for_affine_fields),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

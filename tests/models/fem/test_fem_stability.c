@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The stable step, the cure for locking, and what becomes of a body that is treated badly. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "fem_fixture.h"
@@ -52,7 +47,7 @@ static double largest_rate2(setup *s, int turns)
 static const double jitters[3] = {0.0, 0.25, 0.47};
 
 /* What is reported is not beyond dt*, also with slivers and with a part held; the bound neither. */
-static void reported_step_is_not_beyond_the_largest(void **state)
+TEST(reported_step_is_not_beyond_the_largest)
 {
     for (int k = 0; k < 6; ++k) {
         setup s;
@@ -125,7 +120,7 @@ static double growth(setup *s, double h, bool is_rk4, int count)
     return isfinite(end) ? end / start : 1e30;
 }
 
-static void stable_below_and_unstable_above(void **state)
+TEST(stable_below_and_unstable_above)
 {
     static const double damping[3] = {0.0, 2e-4, 5e-3};
     for (int k = 0; k < 6; ++k) {
@@ -146,7 +141,7 @@ static void stable_below_and_unstable_above(void **state)
 }
 
 /* Damping per mass shortens the step of Runge-Kutta's method, which it would blow up. */
-static void mass_damping_bounds_runge_kutta(void **state)
+TEST(mass_damping_bounds_runge_kutta)
 {
     setup s;
     const block_size size = {.cells = {3, 2, 2}, .size = {0.03, 0.02, 0.02}, .jitter = 0.2};
@@ -166,7 +161,7 @@ static void mass_damping_bounds_runge_kutta(void **state)
 }
 
 /* Stretched by half, sheared, squeezed: the step follows, whatever the law. */
-static void step_follows_the_stretch(void **state)
+TEST(step_follows_the_stretch)
 {
     static const double stretch[4][3] = {
         {1.5, 0.9, 0.9}, {1.0, 0.7, 1.3}, {2.0, 1, 1}, {0.5, 1, 1}};
@@ -278,7 +273,7 @@ static double tip_ratio(double ratio, int cure)
     return tip / theory;
 }
 
-static void cure_keeps_a_beam_from_locking(void **state)
+TEST(cure_keeps_a_beam_from_locking)
 {
     SKIP_WHERE_REPEATED();
     enum { AUTO, NONE, NODAL };
@@ -317,7 +312,7 @@ static void scramble(setup *s, double size)
 
 /* Every node anywhere within a block's size: two of the laws come back, neo-hookean untangles
  * though its sides may stay twisted, stvk stays tangled. */
-static void scrambled_bodies_come_back(void **state)
+TEST(scrambled_bodies_come_back)
 {
     static const int kinds[4] = {SS_TISSUE_STVK_GUARDED, SS_TISSUE_STABLE_NEO_HOOKEAN,
                                  SS_TISSUE_NEO_HOOKEAN, SS_TISSUE_STVK};
@@ -348,7 +343,7 @@ static void scrambled_bodies_come_back(void **state)
 }
 
 /* The whole block squashed to a third and pulled through itself. */
-static void inverted_bodies_come_back(void **state)
+TEST(inverted_bodies_come_back)
 {
     static const double scale[3] = {0.3, -0.5, -1.0};
     for (int k = 0; k < 3; ++k) {
@@ -369,7 +364,7 @@ static void inverted_bodies_come_back(void **state)
 }
 
 /* 10 and 1000 times what dents the block, on one node. */
-static void huge_forces_are_survived(void **state)
+TEST(huge_forces_are_survived)
 {
     static const double force[2] = {1.0, 100.0};
     for (int kind = 0; kind < SS_TISSUE_LINEAR; ++kind) {
@@ -403,7 +398,7 @@ static void huge_forces_are_survived(void **state)
 }
 
 /* lambda, mu times 1e3 and 1e6: the step is shorter by the root, answers the same at that load. */
-static void stiffness_scales_the_step_alone(void **state)
+TEST(stiffness_scales_the_step_alone)
 {
     static const double factor[3] = {1.0, 1e3, 1e6};
     double tip[3], step[3];
@@ -432,7 +427,7 @@ static void stiffness_scales_the_step_alone(void **state)
 }
 
 /* More sub-steps than allowed: slower than time, said, and stable. */
-static void too_stiff_for_the_budget_is_slow_and_says_so(void **state)
+TEST(too_stiff_for_the_budget_is_slow_and_says_so)
 {
     setup s;
     block_of(&s, SS_TISSUE_STVK_GUARDED, 10.0);
@@ -452,7 +447,7 @@ static void too_stiff_for_the_budget_is_slow_and_says_so(void **state)
 
 /* ---- determinism, tools ---- */
 
-static void reset_and_repeat_give_the_same_bits(void **state)
+TEST(reset_and_repeat_give_the_same_bits)
 {
     setup s;
     block_of(&s, SS_TISSUE_NEO_HOOKEAN, 5.0);
@@ -473,7 +468,7 @@ static void reset_and_repeat_give_the_same_bits(void **state)
 }
 
 /* A sphere pressed in slowly: the force grows all the way, and is what the support bears. */
-static void pressing_deeper_takes_more(void **state)
+TEST(pressing_deeper_takes_more)
 {
     setup s;
     const block_size size = {.cells = {8, 8, 5}, .size = {0.08, 0.08, 0.05}, .jitter = 0.0};
@@ -509,19 +504,5 @@ static void pressing_deeper_takes_more(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reported_step_is_not_beyond_the_largest),
-        cmocka_unit_test(stable_below_and_unstable_above),
-        cmocka_unit_test(mass_damping_bounds_runge_kutta),
-        cmocka_unit_test(step_follows_the_stretch),
-        cmocka_unit_test(cure_keeps_a_beam_from_locking),
-        cmocka_unit_test(scrambled_bodies_come_back),
-        cmocka_unit_test(inverted_bodies_come_back),
-        cmocka_unit_test(huge_forces_are_survived),
-        cmocka_unit_test(stiffness_scales_the_step_alone),
-        cmocka_unit_test(too_stiff_for_the_budget_is_slow_and_says_so),
-        cmocka_unit_test(reset_and_repeat_give_the_same_bits),
-        cmocka_unit_test(pressing_deeper_takes_more),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "common/note_fixture.h"
@@ -73,7 +69,7 @@ static double bar_force(double cohesion, double stabilisation)
 
 /* Young's modulus of lambda 5.5, mu 2.5 is 6.71875; free lateral stretch by 1 % of the guarded law
  * takes P = 6.71875 (1.01^3 - 1.01)/2. */
-static void bar_carries_the_exact_force(void **state)
+TEST(bar_carries_the_exact_force)
 {
     SKIP_WHERE_REPEATED();
     const double exact = 6.71875 * (1.01 * 1.01 * 1.01 - 1.01) / 2.0;
@@ -143,7 +139,7 @@ static double growth(double share, int steps, double size, int32_t awake, double
     return largest / first;
 }
 
-static void reported_step_is_the_limit(void **state)
+TEST(reported_step_is_the_limit)
 {
     double momentum;
     for (int32_t awake = 1; awake <= 60; awake += 59) {
@@ -153,7 +149,7 @@ static void reported_step_is_the_limit(void **state)
     }
 }
 
-static void motion_keeps_energy_and_momentum(void **state)
+TEST(motion_keeps_energy_and_momentum)
 {
     SKIP_WHERE_REPEATED();
     double momentum;
@@ -211,7 +207,7 @@ static double kinetic_of(const ss_hybrid *hybrid)
 
 /* Waking and falling asleep of particles in motion keep mass, momentum and volume, and do not gain
  * kinetic energy. */
-static void waking_keeps_mass_and_momentum(void **state)
+TEST(waking_keeps_mass_and_momentum)
 {
     setup s;
     init_block(&s, 100);
@@ -252,7 +248,7 @@ static void waking_keeps_mass_and_momentum(void **state)
 
 /* A tool that passes to and fro over a body that swings, undamped, and does not touch it, so that
  * particles wake and sleep all the time, gives it no energy. */
-static void passing_tool_gives_no_energy(void **state)
+TEST(passing_tool_gives_no_energy)
 {
     SKIP_WHERE_REPEATED();
     setup s;
@@ -292,7 +288,7 @@ static void passing_tool_gives_no_energy(void **state)
 
 /* Force grows with depth, particles wake under the tool and sleep again when it goes; at rest the
  * body comes back to rest. */
-static void tool_wakes_what_it_touches(void **state)
+TEST(tool_wakes_what_it_touches)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -325,7 +321,7 @@ static void tool_wakes_what_it_touches(void **state)
 
 /* Slowly along the block, the force with particles that wake and sleep is that of all awake within
  * the 5 % that their number costs, and moves as smoothly. */
-static void switching_is_not_felt(void **state)
+TEST(switching_is_not_felt)
 {
     SKIP_WHERE_REPEATED();
     enum { STOPS = 30 };
@@ -389,7 +385,7 @@ static double contact_rate2(ss_body *body)
 
 /* What sub-steps are taken by holds for the contact at every depth and costs little more; and they
  * are as long as the two shares let them be. */
-static void contact_bounds_the_substeps(void **state)
+TEST(contact_bounds_the_substeps)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -419,7 +415,7 @@ static bool is_below_four(int i, int j, int k)
 
 /* However many nodes of a fine core the particles of a skin node are tied to, it rides as soon as
  * one of them is awake, by a whole row. */
-static void rows_have_room(void **state)
+TEST(rows_have_room)
 {
     setup s;
     setup_hybrid(&s, make_bar((const int[3]){16, 16, 10}, 0.0625, origin, 0.2, is_below_four),
@@ -444,7 +440,7 @@ static void rows_have_room(void **state)
 
 /* Nodes that take contact are where they are shown, also far from the tool, at the corners of
  * triangles that are much longer than most, and asleep. */
-static void touched_skin_is_laid(void **state)
+TEST(touched_skin_is_laid)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -495,7 +491,7 @@ static uint64_t press_and_hash(setup *s)
 }
 
 /* After a fault the body stays as it was, and so does its surface wherever a tool goes. */
-static void a_fault_freezes_the_surface(void **state)
+TEST(a_fault_freezes_the_surface)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -528,7 +524,7 @@ static bool warns(setup *s, const char *where)
     return count > 0;
 }
 
-static void what_makes_results_worse_is_told(void **state)
+TEST(what_makes_results_worse_is_told)
 {
     for (int k = 0; k < 2; ++k) {
         setup s;
@@ -546,7 +542,7 @@ static void what_makes_results_worse_is_told(void **state)
     }
 }
 
-static void reset_begins_anew(void **state)
+TEST(reset_begins_anew)
 {
     setup s;
     init_block(&s, 100);
@@ -566,7 +562,7 @@ static void reset_begins_anew(void **state)
 
 /* A node far too fast goes a fifth of the finest edge in a sub-step, be it the core's or the finest
  * spacing of a layer that also has coarser ones. */
-static void fast_nodes_keep_within_an_edge(void **state)
+TEST(fast_nodes_keep_within_an_edge)
 {
     SKIP_WHERE_REPEATED();
     for (int is_fine_core = 0; is_fine_core < 2; ++is_fine_core) {
@@ -595,7 +591,7 @@ static void fast_nodes_keep_within_an_edge(void **state)
 }
 
 /* A number that is not finite is a fault until reset, with either integrator, and none after. */
-static void fault_ends_with_reset(void **state)
+TEST(fault_ends_with_reset)
 {
     for (int integrator = 0; integrator < 2; ++integrator) {
         setup s;
@@ -626,7 +622,7 @@ static void fault_ends_with_reset(void **state)
 }
 
 /* A blow far too hard: finite, told, and back to rest. */
-static void hard_blow_is_survived(void **state)
+TEST(hard_blow_is_survived)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -646,7 +642,7 @@ static void hard_blow_is_survived(void **state)
 }
 
 /* A corner of the core is taken through the node across its cell. */
-static void a_core_turned_inside_out_is_told(void **state)
+TEST(a_core_turned_inside_out_is_told)
 {
     setup s;
     int32_t node[1] = {0};
@@ -678,24 +674,5 @@ static void a_core_turned_inside_out_is_told(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bar_carries_the_exact_force),
-        cmocka_unit_test(reported_step_is_the_limit),
-        cmocka_unit_test(motion_keeps_energy_and_momentum),
-        cmocka_unit_test(waking_keeps_mass_and_momentum),
-        cmocka_unit_test(passing_tool_gives_no_energy),
-        cmocka_unit_test(tool_wakes_what_it_touches),
-        cmocka_unit_test(switching_is_not_felt),
-        cmocka_unit_test(contact_bounds_the_substeps),
-        cmocka_unit_test(rows_have_room),
-        cmocka_unit_test(touched_skin_is_laid),
-        cmocka_unit_test(a_fault_freezes_the_surface),
-        cmocka_unit_test(what_makes_results_worse_is_told),
-        cmocka_unit_test(reset_begins_anew),
-        cmocka_unit_test(fast_nodes_keep_within_an_edge),
-        cmocka_unit_test(fault_ends_with_reset),
-        cmocka_unit_test(hard_blow_is_survived),
-        cmocka_unit_test(a_core_turned_inside_out_is_told),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

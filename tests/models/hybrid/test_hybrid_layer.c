@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "hybrid_fixture.h"
 #include "rt/each.h"
@@ -24,7 +20,7 @@ static const double gradient[3][3] = {
 
 /* ---- rows ---- */
 
-static void rows_reproduce_places(void **state)
+TEST(rows_reproduce_places)
 {
     ss_mesh *mesh = make_block(origin);
     ss_layer *layer = NULL;
@@ -67,7 +63,7 @@ static void rows_reproduce_places(void **state)
 }
 
 /* Numbered by place, nodes of tetrahedra come first: no pass over the core goes past the skin. */
-static void skin_is_numbered_last(void **state)
+TEST(skin_is_numbered_last)
 {
     ss_mesh *mesh = make_block(origin);
     assert_true(ss_mesh_renumber(mesh));
@@ -110,7 +106,7 @@ static int32_t check_pairs(const ss_layer *layer)
     return most;
 }
 
-static void neighbours_are_mutual(void **state)
+TEST(neighbours_are_mutual)
 {
     ss_mesh *mesh = make_block(origin);
     ss_layer *layer = NULL;
@@ -124,7 +120,7 @@ static void neighbours_are_mutual(void **state)
 
 /* Also where spacings differ so much that lists of the nearest end early: what is not mutual leaves
  * points behind when all sleeps. */
-static void far_spacings_have_mutual_neighbours(void **state)
+TEST(far_spacings_have_mutual_neighbours)
 {
     setup s;
     setup_hybrid(&s, make_block(origin), 0.16);
@@ -150,7 +146,7 @@ static void far_spacings_have_mutual_neighbours(void **state)
 }
 
 /* A finer region has particles of half the spacing, the same volume, and exact gradients. */
-static void spacing_may_differ(void **state)
+TEST(spacing_may_differ)
 {
     ss_mesh *mesh = make_block(origin);
     setup s;
@@ -190,7 +186,7 @@ static void spacing_may_differ(void **state)
 
 /* Whatever is awake, an affine map has the energy of the whole volume, and every gradient is its
  * own: ghosts, cells and particles. */
-static void affine_maps_are_exact(void **state)
+TEST(affine_maps_are_exact)
 {
     for (int awake = 0; awake < 3; ++awake) {
         setup s;
@@ -249,7 +245,7 @@ static bool is_lowest(int i, int j, int k)
 }
 
 /* All awake are all awake, also where each ghost of a thin core is blended in. */
-static void all_of_a_layer_wake(void **state)
+TEST(all_of_a_layer_wake)
 {
     setup s;
     setup_hybrid(&s, make_bar((const int[3]){10, 10, 3}, 0.1, origin, 0.0, is_lowest), 0.1);
@@ -261,7 +257,7 @@ static void all_of_a_layer_wake(void **state)
 }
 
 /* The least reach that a scene can give wakes nobody, and is no end of work to set up. */
-static void least_reach_is_none(void **state)
+TEST(least_reach_is_none)
 {
     setup s;
     setup_hybrid(&s, make_block(origin), 0.1);
@@ -283,7 +279,7 @@ static void shake(const ss_hybrid *hybrid, double size)
 }
 
 /* Force = -dE/dx of every term, with cohesion, residual and an awake region among sleepers. */
-static void force_is_the_slope_of_energy(void **state)
+TEST(force_is_the_slope_of_energy)
 {
     setup s;
     setup_hybrid(&s, make_block(origin), 0.1);
@@ -328,7 +324,7 @@ static ss_hybrid *start_woken(setup *s, const double low[3])
 }
 
 /* The tangent is the force's change; the cohesion's is taken at rest, so the state is near it. */
-static void tangent_is_the_change_of_force(void **state)
+TEST(tangent_is_the_change_of_force)
 {
     setup s;
     ss_hybrid *hybrid = start_woken(&s, origin);
@@ -376,7 +372,7 @@ static double rotation_noise(const double low[3])
     return largest[1] / largest[0];
 }
 
-static void rigid_motion_is_free(void **state)
+TEST(rigid_motion_is_free)
 {
     const double far[3] = {1000.0, -500.0, 200.0}; /* where a double has 1e-13 for a millimetre */
     assert_near(rotation_noise(origin), 0.0, BY_TYPE(1e-3, 1e-11));
@@ -384,7 +380,7 @@ static void rigid_motion_is_free(void **state)
 }
 
 /* Inner forces of a free body sum to nothing, and so do their torques. */
-static void inner_forces_balance(void **state)
+TEST(inner_forces_balance)
 {
     setup s;
     ss_hybrid *hybrid = start_woken(&s, origin);
@@ -419,7 +415,7 @@ static void inner_forces_balance(void **state)
 }
 
 /* Both paths of the kernels agree, and each with itself. */
-static void paths_agree(void **state)
+TEST(paths_agree)
 {
     setup s;
     ss_hybrid *hybrid = start_woken(&s, origin);
@@ -446,7 +442,7 @@ static void paths_agree(void **state)
 
 /* ---- the pair curve ---- */
 
-static void pair_potential_is_as_derived(void **state)
+TEST(pair_potential_is_as_derived)
 {
     double slope;
     assert_near(ss_layer_pair_potential(1.0, &slope), -1.0, 1e-15);
@@ -498,7 +494,7 @@ static void refuse(setup *s, const char *word)
     setup_fini(s);
 }
 
-static void wrong_layers_are_refused(void **state)
+TEST(wrong_layers_are_refused)
 {
     const int n[3] = {2, 2, 2};
     setup s;
@@ -561,22 +557,5 @@ static void wrong_layers_are_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_reproduce_places),
-        cmocka_unit_test(skin_is_numbered_last),
-        cmocka_unit_test(neighbours_are_mutual),
-        cmocka_unit_test(far_spacings_have_mutual_neighbours),
-        cmocka_unit_test(spacing_may_differ),
-        cmocka_unit_test(affine_maps_are_exact),
-        cmocka_unit_test(all_of_a_layer_wake),
-        cmocka_unit_test(least_reach_is_none),
-        cmocka_unit_test(force_is_the_slope_of_energy),
-        cmocka_unit_test(tangent_is_the_change_of_force),
-        cmocka_unit_test(rigid_motion_is_free),
-        cmocka_unit_test(inner_forces_balance),
-        cmocka_unit_test(paths_agree),
-        cmocka_unit_test(pair_potential_is_as_derived),
-        cmocka_unit_test(wrong_layers_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
+#include "common/test.h"
 
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -36,7 +33,7 @@ static ss_scene *load(const char *name, const char *first, const char *second, s
     return scene;
 }
 
-static void outer_surface_makes_a_layer(void **state)
+TEST(outer_surface_makes_a_layer)
 {
     softsim_error error;
     ss_scene *scene = load("hm1.yaml", NULL, NULL, &error);
@@ -67,7 +64,7 @@ static void expect(const char *name, const char *first, const char *second, cons
     }
 }
 
-static void wrong_layers_are_named(void **state)
+TEST(wrong_layers_are_named)
 {
     expect("hm1.yaml", "model.name=fem", NULL, "object.outer");
     expect("hm1.yaml", "model.layer.thickness_m=0.1", NULL, "remove one of the two");
@@ -84,7 +81,7 @@ static void print(void *sink, const char *text)
 }
 
 /* Printed values make the same scene again: the layer's keys are a mapping there too. */
-static void layer_is_printed_as_a_mapping(void **state)
+TEST(layer_is_printed_as_a_mapping)
 {
     softsim_error error;
     static char text[60000];
@@ -99,10 +96,5 @@ static void layer_is_printed_as_a_mapping(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(outer_surface_makes_a_layer),
-        cmocka_unit_test(wrong_layers_are_named),
-        cmocka_unit_test(layer_is_printed_as_a_mapping),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Which particles of a hybrid wake, and that what is kept between steps is of now. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "common/note_fixture.h"
@@ -61,7 +57,7 @@ static uint64_t hash_wanted(const ss_hybrid *hybrid)
 /* A tool over more particles than may be awake: a look that stays near it finds what a look at all
  * within sleep_reach does, to the bit; those in reach of two tools may only wake in another order.
  */
-static void short_look_is_enough(void **state)
+TEST(short_look_is_enough)
 {
     SKIP_WHERE_REPEATED();
     enum { STEPS = 240 };
@@ -97,7 +93,7 @@ static void short_look_is_enough(void **state)
 }
 
 /* Particles that are released and wait for their tie under a dent cost no new forces. */
-static void waiting_changes_nothing(void **state)
+TEST(waiting_changes_nothing)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
@@ -127,7 +123,7 @@ static void waiting_changes_nothing(void **state)
 }
 
 /* A blend, a theta or an offset alone that moves asks for new forces; then there is rest. */
-static void each_change_is_told(void **state)
+TEST(each_change_is_told)
 {
     setup s;
     init_block(&s, 100);
@@ -153,7 +149,7 @@ static void each_change_is_told(void **state)
 }
 
 /* Where there is room for all particles, all in reach wake, and no limit is told of. */
-static void room_for_all_is_no_limit(void **state)
+TEST(room_for_all_is_no_limit)
 {
     for (int k = 0; k < 2; ++k) {
         setup s;
@@ -173,11 +169,5 @@ static void room_for_all_is_no_limit(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(short_look_is_enough),
-        cmocka_unit_test(waiting_changes_nothing),
-        cmocka_unit_test(each_change_is_told),
-        cmocka_unit_test(room_for_all_is_no_limit),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -4,11 +4,7 @@
  * mass-spring: stiffness from Young's modulus, momentum and energy, the stable step, supports,
  * refusals. The body under it is test_body.c's.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/element_fixture.h"
 #include "rt/hash.h"
@@ -95,7 +91,7 @@ static double stretched_modulus(int cells)
 /* Edges of cubes cut in six do not point all ways equally: along an edge of the cube they are
  * softer than the formula (Delaunay meshes have 0.96 to 1.05 of it, see mass_spring/mass_spring.c).
  * Finer ones must have the same. */
-static void a_block_has_about_the_modulus_that_is_given(void **state)
+TEST(a_block_has_about_the_modulus_that_is_given)
 {
     const double coarse = stretched_modulus(3), fine = stretched_modulus(5);
     assert_near(fine, 0.7 * MODULUS, 0.05 * MODULUS);
@@ -103,7 +99,7 @@ static void a_block_has_about_the_modulus_that_is_given(void **state)
 }
 
 /* Rows of equilateral triangles: every node moves affinely, so that the formula is exact. */
-static void a_membrane_of_equal_triangles_has_the_modulus_exactly(void **state)
+TEST(a_membrane_of_equal_triangles_has_the_modulus_exactly)
 {
     enum { ROWS = 9, COLUMNS = 9 };
     const double h = 0.01, thickness = 0.002;
@@ -167,7 +163,7 @@ static void a_membrane_of_equal_triangles_has_the_modulus_exactly(void **state)
 /* Two triangles back to back would share springs; one spring alone is a thin strip's: so the pair
  * of opposite nodes of one tetrahedron is prescribed in its breathing mode, whose frequency is that
  * of a regular tetrahedron of equal springs: omega^2 = 4 k / m. */
-static void a_tetrahedron_breathes_at_its_frequency(void **state)
+TEST(a_tetrahedron_breathes_at_its_frequency)
 {
     const double position[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
     const int32_t corner[1][4] = {{0, 1, 2, 3}};
@@ -210,7 +206,7 @@ static void start_shaken(setup *s, int cells, int32_t nodes[4])
     create(s);
 }
 
-static void momentum_stays_when_loads_have_gone(void **state)
+TEST(momentum_stays_when_loads_have_gone)
 {
     setup s;
     int32_t nodes[4];
@@ -246,7 +242,7 @@ static void momentum_stays_when_loads_have_gone(void **state)
     setup_fini(&s);
 }
 
-static void energy_stays_over_ten_thousand_steps(void **state)
+TEST(energy_stays_over_ten_thousand_steps)
 {
     setup s;
     int32_t nodes[4];
@@ -266,7 +262,7 @@ static void energy_stays_over_ten_thousand_steps(void **state)
     setup_fini(&s);
 }
 
-static void dampers_take_energy_and_book_it(void **state)
+TEST(dampers_take_energy_and_book_it)
 {
     for (int method = 0; method < 2; ++method) {
         setup s;
@@ -341,7 +337,7 @@ static double true_limit(const ss_mesh *mesh, const double *mass, double modulus
     return 2.0 / sqrt(rate2);
 }
 
-static void the_stable_step_is_safe_and_not_far_below_the_true_one(void **state)
+TEST(the_stable_step_is_safe_and_not_far_below_the_true_one)
 {
     for (int cells = 1; cells <= 4; ++cells) {
         setup s;
@@ -361,7 +357,7 @@ static void the_stable_step_is_safe_and_not_far_below_the_true_one(void **state)
 
 /* One regular tetrahedron of equal springs has omega_max^2 = 4 k/m; its bound is rho + rho with
  * rho = 2 k/m: exact. Sub-steps of half of it, so the time step is stretched by the mass. */
-static void the_bound_of_a_regular_tetrahedron_is_exact(void **state)
+TEST(the_bound_of_a_regular_tetrahedron_is_exact)
 {
     const double position[4][3] = {
         {.01, .01, .01}, {.01, -.01, -.01}, {-.01, .01, -.01}, {-.01, -.01, .01}};
@@ -379,7 +375,7 @@ static void the_bound_of_a_regular_tetrahedron_is_exact(void **state)
 
 /* ---- guards, identity, refusals ---- */
 
-static void a_crushed_block_comes_back_or_says_so(void **state)
+TEST(a_crushed_block_comes_back_or_says_so)
 {
     setup s;
     int32_t node[1] = {13};
@@ -424,7 +420,7 @@ static bool are_neighbours(const ss_mesh *mesh, int32_t node, int32_t other)
 
 /* The corner of a block, pushed through the node across its cell: a model that does without
  * tetrahedra names a node, one of a turned one's. */
-static void what_is_turned_inside_out_is_said_until_reset(void **state)
+TEST(what_is_turned_inside_out_is_said_until_reset)
 {
     setup s;
     double aside[1][3] = {{0.06, 0.06, 0.06}};
@@ -464,7 +460,7 @@ static void what_is_turned_inside_out_is_said_until_reset(void **state)
     setup_fini(&s);
 }
 
-static void the_same_run_gives_the_same_bits(void **state)
+TEST(the_same_run_gives_the_same_bits)
 {
     uint64_t hash[3];
     setup s;
@@ -484,7 +480,7 @@ static void the_same_run_gives_the_same_bits(void **state)
     setup_fini(&s);
 }
 
-static void far_from_the_origin_nothing_is_lost(void **state)
+TEST(far_from_the_origin_nothing_is_lost)
 {
     double out[2];
     for (int k = 0; k < 2; ++k) {
@@ -505,7 +501,7 @@ static void far_from_the_origin_nothing_is_lost(void **state)
     assert_near(out[1], out[0], 1e-3 * fabs(out[0]));
 }
 
-static void wrong_scenes_are_refused(void **state)
+TEST(wrong_scenes_are_refused)
 {
     setup s;
     setup_init(&s, "mass-spring", make_plate(4, 0.1));
@@ -523,20 +519,5 @@ static void wrong_scenes_are_refused(void **state)
 int main(void)
 {
     random_state = 7;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_block_has_about_the_modulus_that_is_given),
-        cmocka_unit_test(a_membrane_of_equal_triangles_has_the_modulus_exactly),
-        cmocka_unit_test(a_tetrahedron_breathes_at_its_frequency),
-        cmocka_unit_test(momentum_stays_when_loads_have_gone),
-        cmocka_unit_test(energy_stays_over_ten_thousand_steps),
-        cmocka_unit_test(dampers_take_energy_and_book_it),
-        cmocka_unit_test(the_stable_step_is_safe_and_not_far_below_the_true_one),
-        cmocka_unit_test(the_bound_of_a_regular_tetrahedron_is_exact),
-        cmocka_unit_test(a_crushed_block_comes_back_or_says_so),
-        cmocka_unit_test(what_is_turned_inside_out_is_said_until_reset),
-        cmocka_unit_test(the_same_run_gives_the_same_bits),
-        cmocka_unit_test(far_from_the_origin_nothing_is_lost),
-        cmocka_unit_test(wrong_scenes_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

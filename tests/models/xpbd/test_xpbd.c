@@ -4,11 +4,7 @@
  * xpbd: rest, patch test, static solutions of the law with many sub-steps, stiffness without limit,
  * crushed bodies, momentum, tools, packs, paths, refusals.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "common/element_fixture.h"
@@ -38,7 +34,7 @@ static const ss_tissue_kind kinds[] = {SS_TISSUE_NEO_HOOKEAN, SS_TISSUE_STABLE_N
 
 /* ---- statics ---- */
 
-static void a_body_at_rest_stays_at_rest_to_the_last_bit(void **state)
+TEST(a_body_at_rest_stays_at_rest_to_the_last_bit)
 {
     const double modulus[] = {1.0, 5e3, 1e9}, ratio[] = {0.0, 0.3, 0.4999};
     for (int m = 0; m < 3; ++m) {
@@ -100,7 +96,7 @@ static double affine_error(ss_tissue_kind kind, int substeps, double *out_energy
     return worst;
 }
 
-static void inside_an_affine_surface_all_is_affine(void **state)
+TEST(inside_an_affine_surface_all_is_affine)
 {
     SKIP_WHERE_REPEATED();
     for (int n = 0; n < 2; ++n) {
@@ -142,7 +138,7 @@ static double hanging(const char *name, ss_tissue_kind kind, double ratio, int s
     return out;
 }
 
-static void many_substeps_lead_to_the_static_solution_of_the_law(void **state)
+TEST(many_substeps_lead_to_the_static_solution_of_the_law)
 {
     SKIP_WHERE_REPEATED();
     if (!ss_model_find("fem")) {
@@ -163,7 +159,7 @@ static void many_substeps_lead_to_the_static_solution_of_the_law(void **state)
 
 /* ---- guards ---- */
 
-static void no_stiffness_is_too_much_for_a_step(void **state)
+TEST(no_stiffness_is_too_much_for_a_step)
 {
     const double modulus[] = {4e5, 1e7, 1e9}, ratio[] = {0.3, 0.4999};
     for (int m = 0; m < 3; ++m) {
@@ -187,7 +183,7 @@ static void no_stiffness_is_too_much_for_a_step(void **state)
     }
 }
 
-static void a_crushed_body_gets_its_shape_back(void **state)
+TEST(a_crushed_body_gets_its_shape_back)
 {
     for (int n = 0; n < 2; ++n) {
         setup s;
@@ -214,7 +210,7 @@ static void a_crushed_body_gets_its_shape_back(void **state)
     }
 }
 
-static void the_budget_makes_substeps_longer_and_the_body_no_slower(void **state)
+TEST(the_budget_makes_substeps_longer_and_the_body_no_slower)
 {
     setup s;
     setup_soft(&s, 2, SS_TISSUE_STABLE_NEO_HOOKEAN, 0.3);
@@ -231,7 +227,7 @@ static void the_budget_makes_substeps_longer_and_the_body_no_slower(void **state
 
 /* ---- motion ---- */
 
-static void half_the_substep_is_estimated_at_twice_the_cost(void **state)
+TEST(half_the_substep_is_estimated_at_twice_the_cost)
 {
     double cost[3];
     for (int k = 0; k < 3; ++k) {
@@ -245,7 +241,7 @@ static void half_the_substep_is_estimated_at_twice_the_cost(void **state)
     assert_near(cost[2] - cost[1], 2.0 * (cost[1] - cost[0]), 1e-9); /* but for a step's own */
 }
 
-static void a_thrown_body_keeps_its_momentum(void **state)
+TEST(a_thrown_body_keeps_its_momentum)
 {
     setup s;
     int32_t node[1] = {0};
@@ -274,7 +270,7 @@ static void a_thrown_body_keeps_its_momentum(void **state)
     setup_fini(&s);
 }
 
-static void axes_that_are_held_do_not_move(void **state)
+TEST(axes_that_are_held_do_not_move)
 {
     setup s;
     setup_soft(&s, 3, SS_TISSUE_NEO_HOOKEAN, 0.3);
@@ -301,7 +297,7 @@ static void axes_that_are_held_do_not_move(void **state)
     setup_fini(&s);
 }
 
-static void a_tool_is_carried_by_the_support(void **state)
+TEST(a_tool_is_carried_by_the_support)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
@@ -335,7 +331,7 @@ static void a_tool_is_carried_by_the_support(void **state)
     setup_fini(&s);
 }
 
-static void the_same_run_gives_the_same_bits(void **state)
+TEST(the_same_run_gives_the_same_bits)
 {
     uint64_t hash[2];
     setup s;
@@ -397,7 +393,7 @@ static void loose_fini(loose *l)
     ss_mesh_destroy(&l->mesh);
 }
 
-static void packs_hold_every_element_once_and_no_node_twice(void **state)
+TEST(packs_hold_every_element_once_and_no_node_twice)
 {
     loose l;
     loose_init(&l, 5);
@@ -420,7 +416,7 @@ static void packs_hold_every_element_once_and_no_node_twice(void **state)
     loose_fini(&l);
 }
 
-static void all_paths_agree(void **state)
+TEST(all_paths_agree)
 {
     loose l;
     loose_init(&l, 3);
@@ -453,7 +449,7 @@ static void all_paths_agree(void **state)
     loose_fini(&l);
 }
 
-static void one_element_takes_its_implicit_step(void **state)
+TEST(one_element_takes_its_implicit_step)
 {
     /* One free tetrahedron: momentum stays, and in the limit of small h the way is h^2 f / m. */
     const double position[4][3] = {
@@ -525,7 +521,7 @@ static void one_element_takes_its_implicit_step(void **state)
 
 /* ---- refusals ---- */
 
-static void the_cost_of_a_step_is_that_of_its_sub_steps(void **state)
+TEST(the_cost_of_a_step_is_that_of_its_sub_steps)
 {
     setup s;
     double cost[3];
@@ -541,7 +537,7 @@ static void the_cost_of_a_step_is_that_of_its_sub_steps(void **state)
 }
 
 /* The constraints of |F| and J are two laws: a scene is offered these, and no other. */
-static void every_law_that_is_offered_is_taken(void **state)
+TEST(every_law_that_is_offered_is_taken)
 {
     const ss_param_row *row = &ss_model_find("xpbd")->row[0];
     assert_string_equal(row->name, "material");
@@ -555,7 +551,7 @@ static void every_law_that_is_offered_is_taken(void **state)
     assert_near(row->fallback, 1.0, 0.0); /* stable-neo-hookean */
 }
 
-static void wrong_scenes_are_refused(void **state)
+TEST(wrong_scenes_are_refused)
 {
     setup s;
     setup_soft(&s, 1, kinds[0], 0.3);
@@ -566,24 +562,5 @@ static void wrong_scenes_are_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_body_at_rest_stays_at_rest_to_the_last_bit),
-        cmocka_unit_test(inside_an_affine_surface_all_is_affine),
-        cmocka_unit_test(many_substeps_lead_to_the_static_solution_of_the_law),
-        cmocka_unit_test(no_stiffness_is_too_much_for_a_step),
-        cmocka_unit_test(a_crushed_body_gets_its_shape_back),
-        cmocka_unit_test(the_budget_makes_substeps_longer_and_the_body_no_slower),
-        cmocka_unit_test(half_the_substep_is_estimated_at_twice_the_cost),
-        cmocka_unit_test(a_thrown_body_keeps_its_momentum),
-        cmocka_unit_test(axes_that_are_held_do_not_move),
-        cmocka_unit_test(a_tool_is_carried_by_the_support),
-        cmocka_unit_test(the_same_run_gives_the_same_bits),
-        cmocka_unit_test(packs_hold_every_element_once_and_no_node_twice),
-        cmocka_unit_test(all_paths_agree),
-        cmocka_unit_test(one_element_takes_its_implicit_step),
-        cmocka_unit_test(the_cost_of_a_step_is_that_of_its_sub_steps),
-        cmocka_unit_test(every_law_that_is_offered_is_taken),
-        cmocka_unit_test(wrong_scenes_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }
