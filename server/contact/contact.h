@@ -189,7 +189,7 @@ typedef struct ss_contact_tissue {
     const ss_mesh *mesh;
     const ss_real *u;
     /* A tool has pressed it: it may spring back to where it rests, and is taken to be there too. */
-    bool is_dented;
+    bool is_deformed;
 } ss_contact_tissue;
 
 typedef struct ss_contact_path {
@@ -211,7 +211,7 @@ typedef enum ss_contact_exit_result {
     SS_EXIT_UNFINISHED /* call again */
 } ss_contact_exit_result;
 
-/* Looks at the tissue in a call, each a pass over all its triangles, or two where it is dented.
+/* Looks at the tissue in a call, each a pass over all its triangles, or two where it is deformed.
  * Ways that are found take 8 at most in organs and blocks. */
 enum { SS_EXIT_LOOKS = 9 };
 

@@ -145,7 +145,7 @@ static double deepest(const ss_contact_tissue *tissue, const ss_shape *shape,
 {
     double point[3], normal[3];
     double depth = ss_contact_locate(tissue->mesh, tissue->u, shape, pose, point, out_normal);
-    if (tissue->is_dented) {
+    if (tissue->is_deformed) {
         const double at_rest = ss_contact_locate(tissue->mesh, NULL, shape, pose, point, normal);
         if (at_rest > depth) {
             depth = at_rest;

@@ -21,20 +21,19 @@ static const double NEAR_M = 0.005;       /* contacts are published before touch
 static const double MAX_TOOL_SPEED = 3.0; /* m/s */
 static const double MAX_TOOL_TURN = 50.0; /* rad/s */
 static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
-static const double PLACE_TIME = 0.02;    /* s: so often is seen whether a tool still needs one */
-/* A look for a place passes over all triangles up to 66 times, .1 ms each at 14,000, and up to 19
- * times in a step: one that found none is repeated after twice as long each time, up to so many s.
- */
-static const double PLACE_TIME_MOST = 1.0;
+static const double PLACE_CHECK_PERIOD = 0.02; /* s: how often a tool without a place is checked */
+/* A search visits all triangles up to 66 times (0.1 ms each at 14,000), up to 19 times in a step.
+ * After a failure the wait doubles, up to this, s. */
+static const double MAX_SEARCH_WAIT = 1.0;
 
 /* s of simulation after a tool's last touch: until then what it pressed may spring back. Let go at
  * once, organs and blocks of every model are within a tenth of the tool of where they come to rest
  * after 0.16 s at most (a ventricle pressed by 16 mm). */
-static const double DENT_TIME = 1.0;
+static const double DEFORMED_TIME = 1.0;
 
 /* s after a fault until the model begins again, and then s for which that is told. */
 static const double STOP_TIME = 0.5, TELL_TIME = 1.0;
-/* By then the haptic loop has ramped its force down and placed the proxy anew. */
+/* By then the haptic loop has ramped its force down and placed the proxy again. */
 enum { STOP_TICKS = 50 };
 
 /* The body is at rest, and what was wrong is over. */
@@ -43,7 +42,7 @@ static void rest(ss_world *world)
     world->is_hashed = false;
     world->is_at_fault = false;
     world->stopped = 0;
-    world->dented_until = world->steps;
+    world->deformed_until = world->steps;
     world->model_class->reset(world->model);
     ss_energy_watch_reset(&world->energy);
 }
@@ -86,7 +85,7 @@ void ss_world_step_begin(ss_world *world)
         ss_world_probe *probe = &world->probe[p];
         const ss_proxy_target *target =
             probe->is_used ? ss_mailbox_take(probe->target, NULL) : NULL;
-        probe->stepped_to = target ? *target : (ss_proxy_target){0};
+        probe->step_target = target ? *target : (ss_proxy_target){0};
     }
     ss_command_record command;
     while (ss_ring_pop(world->simulation_commands, &command)) {
@@ -98,30 +97,30 @@ void ss_world_step_begin(ss_world *world)
  * says so, the haptic loop moves the proxy out there and lets it in by fading. After a reset or
  * resume it goes out the way it was pressed in: in thin tissue the nearest way may lead through.
  * False where there is no place for it. */
-static bool place(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
+static bool find_free_pose(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
 {
     ss_world_probe *probe = &world->probe[p];
-    const ss_proxy_target *target = &probe->stepped_to;
+    const ss_proxy_target *target = &probe->step_target;
     const ss_shape *shape = &world->scene->tool[p].shape;
     const ss_contact_tissue tissue = {.mesh = world->scene->mesh,
                                       .u = world->model_class->displacement(world->model),
-                                      .is_dented = world->steps < world->dented_until};
+                                      .is_deformed = world->steps < world->deformed_until};
     const double spare = PLACE_SHARE * ss_shape_bounding_radius(shape);
-    const int64_t every = (int64_t)ceil(PLACE_TIME / world->step_period);
-    const int64_t most = (int64_t)ceil(PLACE_TIME_MOST / world->step_period);
+    const int64_t every = (int64_t)ceil(PLACE_CHECK_PERIOD / world->step_period);
+    const int64_t most = (int64_t)ceil(MAX_SEARCH_WAIT / world->step_period);
     double way[3], point[3], normal[3];
-    if (probe->waited == 0 || probe->last_teleports != target->teleports) {
-        probe->waited = probe->look_at = 0;
+    if (probe->steps_unplaced == 0 || probe->last_teleports != target->teleports) {
+        probe->steps_unplaced = probe->next_search = 0;
         probe->search.is_begun = false;
     }
-    if (probe->waited % every != 0 && !probe->search.is_begun) {
+    if (probe->steps_unplaced % every != 0 && !probe->search.is_begun) {
         return false;
     }
     /* One that was drawn out meanwhile is seen by a single pass. */
     probe->depth = ss_contact_locate(tissue.mesh, tissue.u, shape, inout_pose, point, normal);
     if (probe->depth <= spare) {
         probe->search.is_begun = false;
-    } else if (probe->waited < probe->look_at && !probe->search.is_begun) {
+    } else if (probe->steps_unplaced < probe->next_search && !probe->search.is_begun) {
         return false;
     }
     if (target->starts == probe->inward_starts) {
@@ -134,8 +133,9 @@ static bool place(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
     }
     probe->search.is_begun = false;
     if (result == SS_EXIT_NONE) {
-        const int64_t twice = 2 * probe->waited + every;
-        probe->look_at = twice < probe->waited + most ? twice : probe->waited + most;
+        const int64_t twice = 2 * probe->steps_unplaced + every;
+        probe->next_search =
+            twice < probe->steps_unplaced + most ? twice : probe->steps_unplaced + most;
         return false;
     }
     *inout_pose = probe->search.from;
@@ -146,20 +146,20 @@ static bool place(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
     return true;
 }
 
-/* No hand moves or turns a tool faster: what jumps in a period is caught up with, not flung. */
-static void follow(const ss_tool_pose *last, double period, ss_tool_pose *inout_to)
+/* No hand moves or turns a tool faster: one that jumps in one period catches up at hand speed. */
+static void limit_tool_speed(const ss_tool_pose *last, double period, ss_tool_pose *inout_to)
 {
     double way[3], turn[3];
     ss_sub3(way, inout_to->position, last->position);
     ss_turn_between(last->orientation, inout_to->orientation, turn);
-    const double length = ss_norm3(way), reach = MAX_TOOL_SPEED * period;
-    const double angle = ss_norm3(turn), most = MAX_TOOL_TURN * period;
-    if (length > reach) {
-        ss_madd3(inout_to->position, last->position, reach / length, way);
+    const double length = ss_norm3(way), max_move = MAX_TOOL_SPEED * period;
+    const double angle = ss_norm3(turn), max_turn = MAX_TOOL_TURN * period;
+    if (length > max_move) {
+        ss_madd3(inout_to->position, last->position, max_move / length, way);
     }
-    if (angle > most) {
+    if (angle > max_turn) {
         ss_tool_pose turned;
-        ss_tool_pose_blend(last, inout_to, most / angle, &turned);
+        ss_tool_pose_blend(last, inout_to, max_turn / angle, &turned);
         memcpy(inout_to->orientation, turned.orientation, sizeof turned.orientation);
     }
 }
@@ -171,7 +171,7 @@ static void follow(const ss_tool_pose *last, double period, ss_tool_pose *inout_
 static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
 {
     ss_world_probe *probe = &world->probe[p];
-    const ss_proxy_target *target = &probe->stepped_to;
+    const ss_proxy_target *target = &probe->step_target;
     ss_model_tool tool = {.is_present = target->is_present, .is_grasping = target->is_grasping};
     const bool is_same = probe->was_present && probe->last_teleports == target->teleports;
     ss_set3(velocity, 0.0, 0.0, 0.0);
@@ -180,7 +180,7 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
         is_same && probe->is_found_inside && probe->found_entries == target->entries;
     if (!target->is_present || target->starts != world->simulation_starts ||
         (world->simulation_paused && !is_same)) {
-        probe->waited = 0;
+        probe->steps_unplaced = 0;
         return (ss_model_tool){.is_present = false};
     }
     ss_haptic_predict(target, LAG_PERIODS, world->step_period, tool.to.position);
@@ -188,16 +188,16 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
     if (probe->is_found_inside) {
         tool.to = probe->last;
     } else if (is_same) {
-        follow(&probe->last, world->step_period, &tool.to);
-    } else if (!place(world, p, &tool.to)) {
+        limit_tool_speed(&probe->last, world->step_period, &tool.to);
+    } else if (!find_free_pose(world, p, &tool.to)) {
         probe->last_teleports = target->teleports;
-        ++probe->waited;
+        ++probe->steps_unplaced;
         return (ss_model_tool){.is_present = false};
     }
     tool.from = is_same ? probe->last : tool.to;
     ss_sub3(velocity, tool.to.position, tool.from.position);
     ss_scale3(velocity, velocity, 1.0 / world->step_period);
-    probe->waited = 0;
+    probe->steps_unplaced = 0;
     probe->was_present = true;
     probe->last_teleports = target->teleports;
     return tool;
@@ -205,8 +205,8 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
 
 /* A step that was slower than time, or none under pause, took the tool a share of its way: it
  * stands there, the next step goes on from there, and the haptic loop is told of that place. */
-static void reach(ss_world *world, ss_world_probe *probe, double travelled, ss_model_tool *tool,
-                  double velocity[3])
+static void correct_for_travel(ss_world *world, ss_world_probe *probe, double travelled,
+                               ss_model_tool *tool, double velocity[3])
 {
     if (travelled < 1.0) {
         ss_model_reached(tool, travelled, &probe->last);
@@ -217,15 +217,15 @@ static void reach(ss_world *world, ss_world_probe *probe, double travelled, ss_m
     probe->last = tool->to;
 }
 
-/* Tissue that holds a tool off is dented for a while, and the tool pressed in against its normal.
- */
+/* Tissue that holds a tool off stays deformed for a while, and the tool pressed in against its
+ * normal. */
 static void note_touch(ss_world *world, ss_world_probe *probe)
 {
     const ss_contact_set *set = &probe->computed.set;
     if (set->count > 0 && ss_norm3(set->force) > 0.0) {
-        world->dented_until = world->steps + (int64_t)ceil(DENT_TIME / world->step_period);
+        world->deformed_until = world->steps + (int64_t)ceil(DEFORMED_TIME / world->step_period);
         ss_scale3(probe->inward, set->normal, -1.0);
-        probe->inward_starts = probe->stepped_to.starts;
+        probe->inward_starts = probe->step_target.starts;
     }
 }
 
@@ -234,19 +234,19 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
 {
     ss_world_probe *probe = &world->probe[p];
     ss_local_model *out = &probe->computed;
-    *out = (ss_local_model){.tick = probe->stepped_to.tick,
+    *out = (ss_local_model){.tick = probe->step_target.tick,
                             .step = world->steps,
                             .period = world->step_period,
-                            .pose_seq = probe->stepped_to.pose_seq,
+                            .pose_seq = probe->step_target.pose_seq,
                             .starts = world->simulation_starts,
                             .is_fault = info->verdict == SOFTSIM_VERDICT_FAULT,
                             .stored = info->kinetic + info->elastic,
                             .load_work = info->load_work};
     out->has_stored = !world->model_class->has_no_energy && !out->is_fault;
-    ss_copy3(out->proxy, probe->stepped_to.proxy);
-    memcpy(out->orientation, probe->stepped_to.orientation, sizeof out->orientation);
+    ss_copy3(out->proxy, probe->step_target.proxy);
+    memcpy(out->orientation, probe->step_target.orientation, sizeof out->orientation);
     if (!tool->is_present) {
-        out->set.engulfed = probe->waited > 0 ? fmax(0.0, probe->depth) : 0.0;
+        out->set.engulfed = probe->steps_unplaced > 0 ? fmax(0.0, probe->depth) : 0.0;
         return;
     }
     ss_copy3(out->proxy, tool->to.position);
@@ -306,15 +306,16 @@ void ss_world_step_compute(ss_world *world)
     world->model_class->info(world->model, &info);
     world->substeps += is_still ? 0 : info.substeps;
     const double travelled = is_still ? 0.0 : info.travelled;
-    double way = 0.0;
+    double motion = 0.0;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (tool[p].is_present) {
-            reach(world, &world->probe[p], travelled, &tool[p], velocity[p]);
-            way += ss_tool_motion_bound(&world->scene->tool[p].shape, &tool[p].from, &tool[p].to);
+            correct_for_travel(world, &world->probe[p], travelled, &tool[p], velocity[p]);
+            motion +=
+                ss_tool_motion_bound(&world->scene->tool[p].shape, &tool[p].from, &tool[p].to);
         }
     }
     if (!is_still) {
-        ss_energy_watch_step(&world->energy, &info, way, world->step_period);
+        ss_energy_watch_step(&world->energy, &info, motion, world->step_period);
     }
     ss_energy_watch_judge(&world->energy, &info);
     world->is_at_fault = info.verdict == SOFTSIM_VERDICT_FAULT;

@@ -30,7 +30,8 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info)
         const ss_contact_set *set = &probe->computed.set;
         const double depth = probe->is_used ? set->depth : 0.0;
         const double size = ss_shape_inradius(&world->scene->tool[p].shape);
-        if (info->verdict < SOFTSIM_VERDICT_FAULT && probe->waited > 0 && probe->look_at > 0) {
+        if (info->verdict < SOFTSIM_VERDICT_FAULT && probe->steps_unplaced > 0 &&
+            probe->next_search > 0) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
             info->reason = "a tool is inside the tissue, no free place was found for it, and its "
                            "force is zero: take it out";

@@ -12,7 +12,7 @@ static const double pool_time = 0.1;                      /* s */
 static const double degraded_at = 10.0, fault_at = 100.0; /* times what is guarded */
 static const double most_handed_out = 0.01;               /* J */
 static const double most_guarded = 0.1;                   /* J: beyond, degraded */
-static const double release_time = 0.02;                  /* s: no hand taps as fast */
+static const double contact_gap_time = 0.02;              /* s: no hand taps as fast */
 static const double tell_time = 1.0;                      /* s */
 static const double far_behind = 0.003;                   /* m */
 static const double long_behind = 0.02;                   /* s */
@@ -72,7 +72,7 @@ static bool is_spell_on(const ss_hand_watch *watch, const ss_hand_tick *now)
 {
     const int64_t released = now->tick - watch->touched;
     return released <= SS_HAND_WATCH_DELAYS ||
-           ((double)released - 0.5) * now->period < release_time;
+           ((double)released - 0.5) * now->period < contact_gap_time;
 }
 
 /* The hand moves against the forces that it was given, which gives it `out_given`. */

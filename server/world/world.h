@@ -93,17 +93,17 @@ typedef struct ss_world_probe {
     ss_tool_pose last; /* p-hat of the last step */
     bool was_present;
     uint32_t last_teleports;
-    int64_t waited;  /* steps on end: inside the tissue, and no free place found for it */
-    int64_t look_at; /* of them: a place is looked for again; 0: none was looked for in vain */
-    ss_contact_exit search;     /* begun: the look for a place goes on */
-    double depth;               /* m, how deep it stood there lately */
-    bool is_found_inside;       /* it stands where it just touches, until it is entered */
-    uint32_t found_entries;     /* of the target then */
-    double outward[3];          /* the way there */
-    double inward[3];           /* unit: how it was last pressed into the tissue; 0 not known, */
-    uint32_t inward_starts;     /* and after which start */
-    ss_proxy_target stepped_to; /* target of the step under way */
-    ss_local_model computed;    /* result of that step, until it is due */
+    int64_t steps_unplaced; /* steps on end: inside the tissue, and no free place found for it */
+    int64_t next_search; /* of them: a place is looked for again; 0: none was looked for in vain */
+    ss_contact_exit search;      /* begun: the look for a place goes on */
+    double depth;                /* m, how deep it stood there lately */
+    bool is_found_inside;        /* it stands where it just touches, until it is entered */
+    uint32_t found_entries;      /* of the target then */
+    double outward[3];           /* the way there */
+    double inward[3];            /* unit: how it was last pressed into the tissue; 0 not known, */
+    uint32_t inward_starts;      /* and after which start */
+    ss_proxy_target step_target; /* target of the step under way */
+    ss_local_model computed;     /* result of that step, until it is due */
     /* lockstep: the answer to the newest pose, for repeated ones */
     int32_t answered_seq;
     int64_t answered_sender;
@@ -159,7 +159,7 @@ typedef struct ss_world {
     int64_t substeps; /* of all steps */
     bool simulation_paused;
     uint32_t simulation_starts; /* resets and resumes heard of */
-    int64_t dented_until;       /* step: before it, tissue that a tool held off may spring back */
+    int64_t deformed_until;     /* step: before it, tissue that a tool held off may spring back */
     bool is_hashed;             /* `hash` is that of the state as it is; lockstep */
     uint64_t hash;
     double lag; /* as in the stats */

@@ -354,12 +354,13 @@ TEST(dented_tissue_is_where_it_rests_too)
             dent[4 * i + k] = (ss_real)(-0.25 * mesh.position[i][k]);
         }
     }
-    for (int is_dented = 0; is_dented < 2; ++is_dented) {
-        const ss_contact_tissue tissue = {.mesh = &mesh, .u = dent, .is_dented = is_dented != 0};
+    for (int is_deformed = 0; is_deformed < 2; ++is_deformed) {
+        const ss_contact_tissue tissue = {
+            .mesh = &mesh, .u = dent, .is_deformed = is_deformed != 0};
         const ss_tool_pose pose = pose_at(0.0, 0.0, 0.021);
         double way[3];
         assert_true(leave(&tissue, &sphere_5mm, &pose, unknown, way));
-        assert_true(fabs(ss_norm3(way) - (is_dented ? 0.004 : 0.0)) < 4e-4);
+        assert_true(fabs(ss_norm3(way) - (is_deformed ? 0.004 : 0.0)) < 4e-4);
     }
     ss_memory_free(dent);
 }

@@ -79,7 +79,7 @@ static int32_t follow_slow_steps(ss_world *world, double x, double y, double dow
         }
         assert_true(info.travelled > 0.0);
         assert_memory_equal(probe->last.position, probe->computed.proxy, sizeof goal);
-        ss_haptic_predict(&probe->stepped_to, 1.0, world->step_period, goal);
+        ss_haptic_predict(&probe->step_target, 1.0, world->step_period, goal);
         ss_sub3(way, goal, before.position);
         const double reach = 3.0 * world->step_period; /* no hand is faster than 3 m/s */
         ss_scale3(way, way, info.travelled * fmin(1.0, reach / ss_norm3(way)));

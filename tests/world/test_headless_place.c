@@ -357,8 +357,8 @@ TEST(a_place_is_looked_for_ever_less_often)
     for (; n < 2500; ++n) {
         const softsim_pose pose = pose_of(n + 1, (const double[3]){0.0, 0.0, 0.040});
         (void)feel(world, &pose);
-        looks += probe->look_at != last;
-        last = probe->look_at;
+        looks += probe->next_search != last;
+        last = probe->next_search;
         assert_false(probe->was_present);
     }
     assert_in_range(looks, 7, 8);

@@ -87,7 +87,7 @@ static softsim_status create_tool(ss_model *model, int index, double area)
     const double radius = ss_shape_curvature_radius(shape);
     ss_tool *tool = &model->tools.tool[index];
     tool->radius = radius > 0.0 ? radius : ss_shape_inradius(shape);
-    tool->reach = ss_surface_mean_edge(model->tools.surface);
+    tool->delta = ss_surface_mean_edge(model->tools.surface);
     tool->stiffness = contact_stiffness(model, tool->radius, area);
     /* The contact a tenth of R deep, in series with the links of one cell. */
     const double contact = 0.2 * SS_PI * tool->stiffness * tool->radius * tool->radius;

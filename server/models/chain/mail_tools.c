@@ -37,7 +37,7 @@ static softsim_status create_tool(ss_model *model, int index)
     const double working = plan->working_force > 0.0 ? plan->working_force : 1.0;
     ss_tool *tool = &model->tools.tool[index];
     tool->radius = radius > 0.0 ? radius : ss_shape_inradius(shape);
-    tool->reach = ss_surface_mean_edge(model->tools.surface);
+    tool->delta = ss_surface_mean_edge(model->tools.surface);
     tool->stiffness = 1.0;
     tool->rest_felt = FELT_SHARE * working / tool->radius;
     model->tool[index].before =

@@ -172,10 +172,10 @@ static softsim_status create_tool(ss_model *model, int index)
     const double h = model->network->mean_edge;
     ss_tool *base = &model->tools.tool[index];
     ss_cnn_tool *tool = &model->tool[index];
-    base->reach = plan->contact_reach > 0.0 ? plan->contact_reach : fmax(h, 0.5 * radius);
-    base->radius = radius > 0.0 ? radius : base->reach;
+    base->delta = plan->contact_reach > 0.0 ? plan->contact_reach : fmax(h, 0.5 * radius);
+    base->radius = radius > 0.0 ? radius : base->delta;
     base->stiffness = ss_cnn_contact_stiffness(plan, model->smallest_sigma, base->radius);
-    tool->full_weight = SS_PI * base->radius * base->reach / 3.0;
+    tool->full_weight = SS_PI * base->radius * base->delta / 3.0;
     tool->source.is_tool = true;
     ss_arena *arena = &model->arena;
     tool->mu = ss_arena_get(arena, n, sizeof *tool->mu);

@@ -324,7 +324,7 @@ static void explain_tools(const ss_model *model, const ss_notes *out)
             out, "contact.tools",
             "tool %d: contact %.4g N/m^3, source reach %.4g m, penetration %.3g m at %.3g N, "
             "%.4g N/m at rest",
-            k, tool->stiffness, tool->reach, ss_tool_largest_depth(tool, plan), plan->max_force,
+            k, tool->stiffness, tool->delta, ss_tool_largest_depth(tool, plan), plan->max_force,
             tool->rest_felt);
         ss_tool_say_limits(tool, k, plan, model->network->mean_edge, out);
     }

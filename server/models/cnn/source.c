@@ -386,7 +386,7 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
     double force[3] = {0.0}, torque[3] = {0.0};
     const ss_cnn_source *source = &tool->source;
     const double psi = fabs(psi_of(model, source));
-    const double bend = 3.0 / tool->full_weight / (tool->base->reach * tool->base->reach) * psi;
+    const double bend = 3.0 / tool->full_weight / (tool->base->delta * tool->base->delta) * psi;
     memset(tool->weight_slope, 0, (size_t)model->node_count * 4 * sizeof *tool->weight_slope);
     for (int32_t k = 0; k < tool->count; ++k) {
         tool->fading_mu[k] = 1.0;

@@ -107,7 +107,7 @@ static double frozen_limit(const ss_model *model)
         const ss_cnn_tool *tool = &model->tool[k];
         if (tool->base->is_present && tool->source.is_on && tool->mu_largest > 0.0) {
             const double rate2 = 2.0 * tool->mu_largest /
-                                 (tool->base->reach * tool->base->reach * model->smallest_sigma);
+                                 (tool->base->delta * tool->base->delta * model->smallest_sigma);
             limit = fmin(limit,
                          fmax(2.0 * model->damping_rate_min / rate2, FROZEN_SHARE / sqrt(rate2)));
         }

@@ -65,10 +65,10 @@ static softsim_status create_tool(ss_body *body, int index)
     ss_tool *tool = &body->tools.tool[index];
     const double radius = ss_shape_curvature_radius(&plan->tool[index].shape);
     const size_t quads = (size_t)body->nodes.padded_count * 4;
-    tool->reach = plan->contact_reach > 0.0
+    tool->delta = plan->contact_reach > 0.0
                       ? plan->contact_reach
                       : fmax(ss_surface_mean_edge(body->tools.surface), 0.5 * radius);
-    tool->radius = radius > 0.0 ? radius : tool->reach;
+    tool->radius = radius > 0.0 ? radius : tool->delta;
     tool->stiffness = 1.0; /* until the planned step is known */
     body->felt[index].shape_y = ss_arena_get(&body->arena, quads, sizeof(ss_real));
     body->felt[index].shape_step = ss_arena_get(&body->arena, quads, sizeof(ss_real));

@@ -24,7 +24,7 @@ softsim_status ss_tools_create(ss_tools *tools, const ss_mesh *mesh, const ss_mo
 softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int index, ss_arena *arena)
 {
     ss_tool *tool = &tools->tool[index];
-    const ss_contact_query_options options = {.delta = tool->reach, .stiffness = tool->stiffness};
+    const ss_contact_query_options options = {.delta = tool->delta, .stiffness = tool->stiffness};
     tool->is_used = true;
     tool->shape = &plan->tool[index].shape;
     ss_grasp_init(&tool->grasp, tools->node_count, arena);

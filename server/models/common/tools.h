@@ -22,7 +22,7 @@ typedef struct ss_tool {
     const ss_shape *shape;
     ss_contact_query *query;
     double radius;    /* R, m: a sub-step goes a share of it */
-    double reach;     /* delta, m, of the weights */
+    double delta;     /* m, reach of the weights */
     double stiffness; /* kc, N/m^3 */
     double rest_felt; /* N/m, told before it touches */
     /* state */
@@ -48,7 +48,7 @@ typedef struct ss_tools {
 /* The surface of `mesh` for the plan's tools; nothing without a tool. */
 softsim_status ss_tools_create(ss_tools *tools, const ss_mesh *mesh, const ss_model_plan *plan,
                                softsim_error *error);
-/* Tool `index` of the plan against it; radius, reach and stiffness are set. */
+/* Tool `index` of the plan against it; radius, delta and stiffness are set. */
 softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int index,
                              ss_arena *arena);
 void ss_tools_fini(ss_tools *tools);
