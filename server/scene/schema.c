@@ -282,7 +282,8 @@ static const ss_scene_row simulation_row[] = {
      .kind = SS_SCENE_INTEGER,
      .range = {.min = 1, .max = 1e5},
      .fallback = 64,
-     .help = "in real time; more would be needed: slower than real time, and flagged",
+     .help = "in real time, of a step of up to 4 ms, of longer ones more; where that is not "
+             "enough: slower than real time, and flagged",
      FIELD(max_substeps)},
 };
 static const ss_scene_row coupling_row[] = {

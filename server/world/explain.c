@@ -15,7 +15,6 @@ static double contact_cost_us(const ss_world *world)
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         plan.tool[p].is_used = false;
     }
-    plan.step = world->step_period; /* the one that the estimate is for */
     return fmax(world->step_cost_us - world->model_class->step_cost_us(&plan), 0.0);
 }
 

@@ -29,7 +29,8 @@ enum {
     UNTIMED_SUBSTEPS = 100000 /* the most that simulation.max_substeps takes; beyond, a verdict */
 };
 static const double COST_SHARE = 0.5;
-static const double SLOWEST_STEP = 0.2; /* s: two of them, and a result is too old to be felt */
+static const double FULL_STEP_S = 0.004; /* of simulation.max_substeps */
+static const double SLOWEST_STEP = 0.2;  /* s: two of them, and a result is too old to be felt */
 
 int32_t ss_world_scene_models(ss_scene_model out_models[SS_MAX_MODELS])
 {
@@ -103,9 +104,18 @@ static void pass_on(const char *path, const softsim_error *fault, softsim_error 
     }
 }
 
+/* Sub-steps that simulation.max_substeps allows a step: it is named for one of up to 4 ms, and a
+ * longer one has as much more time. */
+static int32_t substep_budget(const ss_world *world)
+{
+    const double share = fmax(1.0, world->step_period / FULL_STEP_S);
+    return (int32_t)fmin(share * world->scene->max_substeps, UNTIMED_SUBSTEPS);
+}
+
 ss_model_plan ss_world_plan(const ss_world *world)
 {
     const ss_scene *scene = world->scene;
+    const int32_t budget = substep_budget(world);
     ss_model_plan plan = {.mesh = scene->mesh,
                           .fixed = scene->fixed,
                           .param = scene->param,
@@ -116,9 +126,9 @@ ss_model_plan ss_world_plan(const ss_world *world)
                           .working_force = scene->working_force_n,
                           .contact_stiffness = scene->contact_stiffness_n_per_m3,
                           .max_force = scene->max_force_n,
-                          .max_substeps =
-                              world->has_budget ? scene->max_substeps : UNTIMED_SUBSTEPS,
-                          .substep_budget = scene->max_substeps,
+                          .step = world->step_period,
+                          .max_substeps = world->has_budget ? budget : UNTIMED_SUBSTEPS,
+                          .substep_budget = budget,
                           .threads = world->threads};
     ss_copy3(plan.gravity, scene->gravity);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
@@ -137,7 +147,7 @@ static softsim_status build_model(ss_world *world, double step_s, softsim_error 
     world->step_ticks =
         step_s > 0.0 ? 1 : choose_step_ticks(scene, world->period, world->step_cost_us);
     world->step_period = world->step_ticks * world->period;
-    plan.step = world->step_period;
+    plan = ss_world_plan(world); /* for that step */
     world->step_cost_us = world->model_class->step_cost_us(&plan);
     softsim_error fault = {.status = SOFTSIM_OK};
     ss_progress_part("setting up %s on %d nodes", world->model_class->name,

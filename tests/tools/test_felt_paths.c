@@ -225,8 +225,7 @@ static void a_rate_compared_with_itself_differs_in_nothing(void **state)
 }
 
 /* What `path` of a bundled scene is at `rate_hz` against 1000 Hz. */
-static ss_felt_errors compare_rates(const char *name, ss_felt_path path, double rate_hz,
-                                    const char *set)
+static ss_felt_errors compare_rates(const char *name, ss_felt_path path, double rate_hz)
 {
     char file[4096];
     ss_felt_place place;
@@ -239,8 +238,6 @@ static ss_felt_errors compare_rates(const char *name, ss_felt_path path, double 
     ss_scene_destroy(&scene);
     for (int i = 0; i < 2; ++i) {
         const ss_felt_run run = {.rate_hz = i == 0 ? rate_hz : 1000.0,
-                                 .set = &set,
-                                 .set_count = 1,
                                  .import_program = BIN_DIR "/softsim-import"};
         assert_int_equal(ss_felt_play(file, &place, path, &run, &at[i], &error), SOFTSIM_OK);
         assert_true(path != SS_FELT_PRESS || at[i].held_n > 0.1);
@@ -257,14 +254,13 @@ static void a_held_press_is_the_same_at_every_rate(void **state)
     (void)state;
     static const struct {
         const char *name;
-        const char *set;
         double rate_hz, most;
-    } cases[] = {{"kidney", "simulation.max_substeps=128", 60.0, 0.03},
-                 {"kidney", "simulation.max_substeps=64", 120.0, 0.01},
-                 {"liver", "simulation.max_substeps=64", 60.0, 0.01}};
+    } cases[] = {{"kidney", 30.0, 0.02},
+                 {"kidney", 60.0, 0.01},
+                 {"kidney", 120.0, 0.01},
+                 {"liver", 60.0, 0.01}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        const ss_felt_errors e =
-            compare_rates(cases[k].name, SS_FELT_PRESS, cases[k].rate_hz, cases[k].set);
+        const ss_felt_errors e = compare_rates(cases[k].name, SS_FELT_PRESS, cases[k].rate_hz);
         assert_true(fabs(e.held) <= cases[k].most);
     }
 }
@@ -283,8 +279,7 @@ static void a_motion_is_felt_alike_at_60_hz(void **state)
                  {"hm1-tissue", SS_FELT_SLIDE, 0.07},
                  {"ventricle", SS_FELT_SLIDE, 0.07}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        const ss_felt_errors e =
-            compare_rates(cases[k].name, cases[k].path, 60.0, "simulation.max_substeps=64");
+        const ss_felt_errors e = compare_rates(cases[k].name, cases[k].path, 60.0);
         print_message("%s, %s: p99 %.3f\n", cases[k].name, ss_felt_path_name(cases[k].path), e.p99);
         assert_true(e.p99 <= cases[k].most);
     }

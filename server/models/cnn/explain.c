@@ -17,15 +17,14 @@
  * past a tool at a few newtons: a step in contact is planned to take a sub-step each 0.2 ms, as far
  * as half of its time has room for them by the costs below. Rejected: five whatever the step, which
  * left a kidney at 60 Hz a 260th of the stiffness and a third of the force. At least five, since
- * contact costs little more than one; at most 60, and 0.6 of what simulation.max_substeps allows,
- * since a firm press takes half as many again. */
-#define CONTACT_SHARE         0.3
-#define CONTACT_SUBSTEP_S     2e-4
-#define CONTACT_SUBSTEPS      5.0
-#define CONTACT_MOST_SUBSTEPS 60.0
-#define CONTACT_BUDGET_SHARE  0.6
-#define CONTACT_TIME_SHARE    0.5
-#define RK4_RADIUS            2.6
+ * contact costs little more than one; at most 0.6 of what simulation.max_substeps allows, since a
+ * firm press takes half as many again. */
+#define CONTACT_SHARE        0.3
+#define CONTACT_SUBSTEP_S    2e-4
+#define CONTACT_SUBSTEPS     5.0
+#define CONTACT_BUDGET_SHARE 0.6
+#define CONTACT_TIME_SHARE   0.5
+#define RK4_RADIUS           2.6
 /* rho beside rho under a tool, where the contact starts to soften. */
 #define RHO_RATIO_WARNING 4.0
 
@@ -117,9 +116,9 @@ static double contact_substeps(const ss_model_plan *plan)
     double contact = 0.0, substep = 0.0;
     const double rest = free_cost_us(plan, &contact, &substep);
     const double room_us = CONTACT_TIME_SHARE * 1e6 * plan->step - rest - contact;
-    const double affordable = substep > 0.0 ? 1.0 + room_us / substep : CONTACT_MOST_SUBSTEPS;
+    const double affordable = substep > 0.0 ? 1.0 + room_us / substep : (double)INFINITY;
     const double budget = plan->substep_budget > 0 ? plan->substep_budget : plan->max_substeps;
-    const double most = fmin(CONTACT_MOST_SUBSTEPS, CONTACT_BUDGET_SHARE * budget);
+    const double most = CONTACT_BUDGET_SHARE * budget;
     return fmax(CONTACT_SUBSTEPS, fmin(fmin(plan->step / CONTACT_SUBSTEP_S, affordable), most));
 }
 
