@@ -6,7 +6,7 @@
 
 #include "rt/vec.h"
 
-static const double max_displacement_m = 5e-3;
+static const double max_displacement_m = 15e-3;
 static const double max_stiffness_n_per_m = 20000.0; /* no server couples harder */
 static const int64_t max_age_ns = 50000000;
 static const int64_t fade_ns = 20000000;
@@ -45,24 +45,34 @@ int32_t ss_corrector_force_seq(const ss_corrector *corrector, int64_t now_ns)
     return corrector->has_force && fade(corrector, now_ns) > 0.0 ? corrector->force.seq : -1;
 }
 
-/* n.(x - x_a), or false when the force is not to be corrected. */
+/* x - x_a, or false when the force is not to be corrected. */
 static bool displacement(const ss_corrector *corrector, int64_t now_ns, const double position[3],
-                         double *out_along)
+                         double out_moved[3])
 {
     const softsim_force *force = &corrector->force;
-    if (!corrector->is_enabled || force->pose_seq < 1 || !(force->stiffness > 0.0) ||
-        !(fabs(ss_norm3(force->normal) - 1.0) < 1e-3)) {
-        return false;
-    }
     const int32_t slot = force->pose_seq % SS_CORRECT_HISTORY;
-    if (corrector->history[slot].seq != force->pose_seq ||
+    if (!corrector->is_enabled || force->pose_seq < 1 || !(force->stiffness > 0.0) ||
+        corrector->history[slot].seq != force->pose_seq ||
         now_ns - corrector->history[slot].time_ns > max_age_ns) {
         return false;
     }
-    double moved[3];
-    ss_sub3(moved, position, corrector->history[slot].position);
-    *out_along = ss_dot3(force->normal, moved);
-    return ss_norm3(moved) <= max_displacement_m && ss_dot3(force->normal, force->force) > 0.0;
+    ss_sub3(out_moved, position, corrector->history[slot].position);
+    return ss_norm3(out_moved) <= max_displacement_m;
+}
+
+/* The force at `moved` from where it was answered. */
+static void correct(const softsim_force *force, const double moved[3], double out_force[3])
+{
+    const double stiffness = fmin(force->stiffness, max_stiffness_n_per_m);
+    const double *n = force->normal;
+    const double normal_force = ss_dot3(n, force->force);
+    if ((force->flags & SOFTSIM_FORCE_GRASPING) != 0) {
+        ss_madd3(out_force, force->force, -stiffness, moved);
+    } else if (fabs(ss_norm3(n) - 1.0) < 1e-3 && normal_force > 0.0) {
+        const double corrected = fmax(0.0, normal_force - stiffness * ss_dot3(n, moved));
+        ss_madd3(out_force, force->force, -normal_force, n); /* tangential part */
+        ss_madd3(out_force, out_force, corrected, n);
+    }
 }
 
 void ss_corrector_force(const ss_corrector *corrector, int64_t now_ns, const double position[3],
@@ -72,16 +82,10 @@ void ss_corrector_force(const ss_corrector *corrector, int64_t now_ns, const dou
     if (!corrector->has_force) {
         return;
     }
-    const softsim_force *force = &corrector->force;
-    double along = 0.0;
-    ss_copy3(out_force, force->force);
-    if (displacement(corrector, now_ns, position, &along)) {
-        const double *n = force->normal;
-        const double normal_force = ss_dot3(n, force->force);
-        const double stiffness = fmin(force->stiffness, max_stiffness_n_per_m);
-        const double corrected = fmax(0.0, normal_force - stiffness * along);
-        ss_madd3(out_force, force->force, -normal_force, n); /* tangential part */
-        ss_madd3(out_force, out_force, corrected, n);
+    double moved[3];
+    ss_copy3(out_force, corrector->force.force);
+    if (displacement(corrector, now_ns, position, moved)) {
+        correct(&corrector->force, moved, out_force);
     }
     ss_scale3(out_force, out_force, fade(corrector, now_ns));
 }

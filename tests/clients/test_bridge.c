@@ -156,8 +156,8 @@ static void correction_is_bounded(void **state)
         {"stiffness 0", true, 0, 1, 1, -1e-3, 5, 10000000, 1.0},
         {"stiffness negative", true, -500, 1, 1, -1e-3, 5, 10000000, 1.0},
         {"stiffness beyond any coupling", true, 1e9, 1, 1, -1e-3, 5, 10000000, 21.0},
-        {"moved 5.1 mm", true, 500, 1, 1, -5.1e-3, 5, 10000000, 1.0},
-        {"moved 4.9 mm", true, 500, 1, 1, -4.9e-3, 5, 10000000, 3.45},
+        {"moved 15.1 mm", true, 500, 1, 1, -15.1e-3, 5, 10000000, 1.0},
+        {"moved 14.9 mm", true, 500, 1, 1, -14.9e-3, 5, 10000000, 8.45},
         {"pulling force", true, 500, 1, -1, -1e-3, 5, 10000000, -1.0},
         {"no unit normal", true, 500, 0.9, 1, -1e-3, 5, 10000000, 1.0},
         {"normal zero", true, 500, 0, 1, -1e-3, 5, 10000000, 1.0},
@@ -182,6 +182,29 @@ static void correction_is_bounded(void **state)
             fail_msg("%s: %.12g, not %g", cases[i].what, out[2], cases[i].expected);
         }
     }
+}
+
+/* A grasp pulls, pushes and holds aside; its law has no side that it stops at. */
+static void correction_of_a_grasp_is_signed_and_goes_all_ways(void **state)
+{
+    (void)state;
+    static ss_corrector c;
+    const double at[3] = {0.0, 0.0, 0.0}, moved[3] = {1e-3, -2e-3, 4e-3};
+    double out[3];
+    softsim_force force = make_force(5);
+    ss_corrector_init(&c, true);
+    ss_corrector_note_pose(&c, 5, 0, at);
+    force.flags |= SOFTSIM_FORCE_GRASPING;
+    ss_corrector_take_force(&c, &force, 0);
+    ss_corrector_force(&c, 0, moved, out);
+    assert_near(out[0], 0.25 - 500 * 1e-3, 1e-12);
+    assert_near(out[1], 500 * 2e-3, 1e-12);
+    assert_near(out[2], 1.0 - 500 * 4e-3, 1e-12);
+    force.force[2] = -3.0;
+    force.normal[2] = 0.0; /* has none */
+    ss_corrector_take_force(&c, &force, 0);
+    ss_corrector_force(&c, 0, moved, out);
+    assert_near(out[2], -3.0 - 500 * 4e-3, 1e-12);
 }
 
 static void force_fades_when_the_server_is_gone(void **state)
@@ -554,6 +577,7 @@ int main(void)
         cmocka_unit_test(frames_are_consistent),
         cmocka_unit_test(correction_follows_the_normal),
         cmocka_unit_test(correction_is_bounded),
+        cmocka_unit_test(correction_of_a_grasp_is_signed_and_goes_all_ways),
         cmocka_unit_test(force_fades_when_the_server_is_gone),
         cmocka_unit_test(bus_delays_and_keeps_order),
         cmocka_unit_test(bus_loses_its_share_and_is_bounded),
