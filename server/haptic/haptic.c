@@ -6,7 +6,7 @@
  *   admission whether the hand may feel anything: watchdog, entry, pause, fault, stop
  *   result    a new local model, taken so that the force does not step; grasp edges
  *   coupling  the spring that lets the hand feel at most K_max
- *   balance   proxy and contact forces, within the force limit
+ *   balance   proxy and contact forces, within the force limit; damping of what hands out energy
  *   limits    ramp, slew
  *   output    the message, the target for the simulation, the history for the observer
  * No clock is read: time is the tick's number and the device's own time stamps.
@@ -20,13 +20,11 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-#define TWO_PI            6.283185307179586
-#define VELOCITY_CORNER   50.0  /* Hz: one position count a millisecond is 30 mm/s */
-#define SPEED_MAX         10.0  /* m/s: no hand is faster; bounds what a bad clock can do */
-#define SPRING_RATE       5.0   /* 1/s: K_c in contact moves by e^(+-5 T) a tick */
-#define ENTRY_SPRING_RATE 50.0  /* 1/s: downwards while the depth fades in */
-#define PREDICT_TIME_MAX  0.025 /* s */
-#define PREDICT_MOVE_MAX  0.003 /* m */
+#define TWO_PI           6.283185307179586
+#define VELOCITY_CORNER  50.0  /* Hz: one position count a millisecond is 30 mm/s */
+#define SPEED_MAX        10.0  /* m/s: no hand is faster; bounds what a bad clock can do */
+#define PREDICT_TIME_MAX 0.025 /* s */
+#define PREDICT_MOVE_MAX 0.003 /* m */
 /* Hz: of the acceleration, and what it comes late through both filters is made up for: at 5 Hz they
  * hold it back by VELOCITY_LATE seconds. */
 #define ACCELERATION_CORNER 20.0
@@ -56,7 +54,7 @@ struct ss_haptic {
     int64_t press_tick;
     /* state: proxy and tissue */
     double p[3], pdot[3];
-    double spring; /* K_c */
+    ss_yield yield;
     ss_slip slip;
     ss_admission admission;
     ss_local_contact local;
@@ -76,6 +74,7 @@ struct ss_haptic {
     uint64_t digest;
     ss_haptic_output output;
     ss_observer observer;
+    ss_passivity passivity;
 };
 
 /* ---- guards ---- */
@@ -232,6 +231,7 @@ static void place_proxy(ss_haptic *haptic)
     ss_copy3(haptic->p, haptic->pose.position);
     ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
     ss_slip_clear(&haptic->slip);
+    ss_yield_clear(&haptic->yield);
     haptic->is_returning = false;
     haptic->placed_starts = haptic->starts;
     ++haptic->teleports;
@@ -382,9 +382,10 @@ static void let_go(ss_haptic *haptic, const double x[3], const double v[3])
         for (int32_t k = 0; k < haptic->local.count; ++k) {
             load += haptic->local.contact[k].value * haptic->local.contact[k].direction[i];
         }
-        aside[i] = haptic->p[i] - x[i] - load / haptic->spring;
+        aside[i] = haptic->p[i] - x[i] - load / haptic->yield.spring;
     }
     ss_slip_let_go(&haptic->slip, aside);
+    ss_yield_clear(&haptic->yield);
 }
 
 /* The grasp begins with the button in contact, stays only if the model holds too (a result may
@@ -414,20 +415,13 @@ static void update_spring(ss_haptic *haptic)
     const bool is_in_contact = ss_local_contact_active_count(&haptic->local) > 0;
     double tissue[3][3];
     ss_local_contact_stiffness(&haptic->local, is_in_contact, tissue);
-    double wanted = ss_coupling_spring(haptic->observer.limit, ss_coupling_largest(tissue));
+    double wanted = ss_coupling_spring(ss_passivity_limit(&haptic->passivity, &haptic->observer),
+                                       ss_coupling_largest(tissue));
     if (config->between_steps != SS_BETWEEN_LOCAL) {
         /* Without a law the tissue has no stiffness: nothing to share it with. */
         wanted = ss_coupling_spring(INFINITY, 0.0);
     }
-    if (is_in_contact) {
-        /* A tool found inside meets tissue that gave no sign of how stiff it will be: the spring
-         * for soft tissue would not have yielded when all of the depth is let in. */
-        const bool is_entering = haptic->admission.phase == SS_PHASE_ENTERING;
-        const double stiffer = exp(SPRING_RATE * config->period);
-        const double softer = is_entering ? exp(ENTRY_SPRING_RATE * config->period) : stiffer;
-        wanted = fmin(haptic->spring * stiffer, fmax(haptic->spring / softer, wanted));
-    }
-    haptic->spring = wanted;
+    ss_yield_follow(&haptic->yield, wanted, is_in_contact, config->period);
 }
 
 /* How far the force may go, N: over the ticks since the last one, of which the thread may have
@@ -448,7 +442,7 @@ static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
     for (int r = 0; r < 3; ++r) {
         k += normal[r] * ss_dot3(tissue[r], normal);
     }
-    return k > 0.0 ? haptic->spring * k / (haptic->spring + k) : 0.0;
+    return k > 0.0 ? haptic->yield.spring * k / (haptic->yield.spring + k) : 0.0;
 }
 
 static void update_limit(ss_haptic *haptic, int64_t tick)
@@ -470,11 +464,12 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
     const ss_haptic_config *config = &haptic->config;
     const double damper = config->damping / config->period;
     const ss_slip *slip = &haptic->slip;
-    *balance = (ss_balance){.spring = haptic->spring + damper, .limit = slip->limit};
+    *balance = (ss_balance){.spring = haptic->yield.spring + damper, .limit = slip->limit};
     ss_add3(balance->decaying, haptic->local.residual, haptic->local.released);
     for (int i = 0; i < 3; ++i) {
         /* What a grasp let go leaves is felt, and does not move the proxy. */
-        const double pull = haptic->spring * (x[i] + slip->aside[i]) + config->damping * v[i] +
+        const double rest = x[i] + slip->aside[i] + haptic->yield.rest[i];
+        const double pull = haptic->yield.spring * rest + config->damping * v[i] +
                             damper * haptic->p[i] + haptic->local.residual[i];
         balance->p_free[i] = pull / balance->spring;
     }
@@ -484,6 +479,17 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
     double at[3];
     patch_pose(haptic, x, at);
     ss_local_contact_rows(&haptic->local, config->period, at, haptic->p, balance);
+}
+
+/* Damps what would hand energy to the hand. */
+static void damp(ss_haptic *haptic, const double v[3], double force[3])
+{
+    const ss_passivity_tick now = {.period = haptic->config.period,
+                                   .velocity = {v[0], v[1], v[2]},
+                                   .stiffness = haptic->output.force.stiffness,
+                                   .corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0,
+                                   .is_grasping = haptic->local.held.is_held};
+    ss_passivity_damp(&haptic->passivity, &haptic->observer, &now, force);
 }
 
 /* Balances the proxy against the local contact model within the limit; writes the values of the
@@ -502,19 +508,22 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     }
     ss_copy3(local->held.value, rest.held);
     ss_local_contact_force(local, out_force);
-    double along[3];
+    double along[3], hand[3];
+    ss_add3(hand, x, haptic->slip.aside);
+    ss_yield_take(&haptic->yield, hand, rest.p);
     ss_sub3(along, out_force, balance.decaying);
-    ss_slip_take(&haptic->slip, &balance, &rest, along, haptic->spring, config->period);
+    ss_slip_take(&haptic->slip, &balance, &rest, along, haptic->yield.spring, config->period);
     ss_local_contact_settle(local, haptic->slip.direction, ss_norm3(along));
     ss_local_contact_force(local, out_force);
     if (config->between_steps != SS_BETWEEN_LOCAL && !local->held.is_held) {
         ss_local_contact_extrapolate(local, config, tick, out_force);
     }
+    damp(haptic, v, out_force);
     const bool is_cut = ss_limit_force(out_force, haptic->slip.limit);
     double off[3];
     ss_sub3(off, rest.p, x);
     haptic->slip.length =
-        ss_dot3(off, haptic->slip.direction) - ss_norm3(out_force) / haptic->spring;
+        ss_dot3(off, haptic->slip.direction) - ss_norm3(out_force) / haptic->yield.spring;
     ss_sub3(haptic->pdot, rest.p, haptic->p);
     ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
     ss_copy3(haptic->p, rest.p);
@@ -623,7 +632,7 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     const double share = haptic->slip.share;
     ss_madd3(target->velocity, v, (share - 1.0) * ss_dot3(v, out), out);
     /* What the hand is slowed down by on a wall is the coupling's, not the tissue's. */
-    const double led = share * (1.0 - felt_stiffness(haptic, out) / haptic->spring);
+    const double led = share * (1.0 - felt_stiffness(haptic, out) / haptic->yield.spring);
     ss_sub3(target->acceleration, haptic->v, haptic->mean_v);
     ss_scale3(target->acceleration, target->acceleration, TWO_PI * ACCELERATION_CORNER);
     const double along = ss_dot3(target->acceleration, out);
@@ -639,7 +648,9 @@ static void write_sums(ss_haptic *haptic)
     output->contact_j = observer->is_in_contact ? observer->energy : 0.0;
     output->energy_to_device_j = observer->to_device;
     output->energy_from_device_j = observer->from_device;
-    output->stiffness_limit = observer->limit;
+    output->stiffness_limit = ss_passivity_limit(&haptic->passivity, observer);
+    output->stiffness_backoffs = haptic->passivity.backoffs;
+    output->damped_ticks = haptic->passivity.actions;
     output->loop_delay_ms[0] = 1e3 * observer->delay_p50;
     output->loop_delay_ms[1] = 1e3 * observer->delay_p95;
     output->bad_inputs = haptic->bad_inputs;
@@ -705,7 +716,8 @@ ss_haptic *ss_haptic_create(const ss_haptic_config *config)
     }
     ss_haptic_configure(haptic, config);
     ss_observer_restart(&haptic->observer, &haptic->config, false);
-    haptic->spring = haptic->observer.limit;
+    ss_passivity_init(&haptic->passivity);
+    haptic->yield.spring = haptic->observer.limit;
     haptic->slip = (ss_slip){.limit = haptic->config.max_force, .share = 1.0};
     return haptic;
 }
@@ -741,16 +753,13 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
  * limit, an update, an ended grasp and an entry leave. */
 static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
 {
-    const double *const vector[] = {haptic->pose.position,
-                                    haptic->pdot,
-                                    haptic->mean_v,
-                                    haptic->slip.direction,
-                                    haptic->slip.aside,
-                                    haptic->left.position,
-                                    haptic->admission.entry_point,
-                                    haptic->admission.entry_normal};
+    const double *const vector[] = {
+        haptic->pose.position,         haptic->pdot,          haptic->mean_v,
+        haptic->slip.direction,        haptic->slip.aside,    haptic->yield.rest,
+        haptic->yield.stretch,         haptic->left.position, haptic->admission.entry_point,
+        haptic->admission.entry_normal};
     const double number[] = {haptic->slip.share, haptic->slip.length, haptic->admission.held_back,
-                             haptic->ramp_from};
+                             haptic->ramp_from, haptic->passivity.share};
     const uint8_t flag[] = {(uint8_t)haptic->slip.stay, haptic->slip.has_let_go, haptic->is_pressed,
                             haptic->is_returning};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
@@ -765,10 +774,10 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
 {
     const ss_observer *observer = &haptic->observer;
-    const double state[] = {haptic->p[0],     haptic->p[1],        haptic->p[2],
-                            haptic->v[0],     haptic->v[1],        haptic->v[2],
-                            haptic->spring,   observer->limit,     observer->worst,
-                            observer->energy, observer->delay_p95, haptic->slip.limit};
+    const double state[] = {haptic->p[0],         haptic->p[1],        haptic->p[2],
+                            haptic->v[0],         haptic->v[1],        haptic->v[2],
+                            haptic->yield.spring, observer->limit,     observer->worst,
+                            observer->energy,     observer->delay_p95, haptic->slip.limit};
     const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->admission.phase,
                               haptic->admission.ticks,   haptic->local.tick,
                               haptic->bad_inputs,        (int64_t)haptic->grasp_edges,
@@ -814,6 +823,8 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         double x[3], v[3], whole[3], sent[3];
         ss_observer_tick(&haptic->observer, &haptic->config, corrects,
                          ss_local_contact_active_count(&haptic->local) > 0, tick);
+        ss_passivity_step(&haptic->passivity, &haptic->observer, haptic->config.period,
+                          ss_local_contact_active_count(&haptic->local) > 0);
         step_gate(haptic, input, begins);
         ss_local_contact_decay(&haptic->local, haptic->config.period,
                                haptic->slip.share < 1.0 ? 1.0

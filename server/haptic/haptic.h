@@ -8,10 +8,10 @@
  * and the proxy that the simulation shall step to. Method: a massless proxy in balance each tick
  * between a spring-damper coupling, which yields only as much as the stiffness limit needs, and
  * the local contact model (reaction + tangent stiffness x 1.15 + bounded viscosity on a curved
- * patch). Watchdog, entry, limits, the energy observer on the device's side and the stiffness
- * limit from the measured loop delay belong to the tick. No clock is read: time is the tick
- * number, so that lockstep and real time run the same code.
- * All memory is allocated by ss_haptic_create; ss_haptic_tick is RT-safe.
+ * patch). Watchdog, entry, limits, the energy observer on the device's side with its damping and
+ * back-off, and the stiffness limit from the measured loop delay belong to the tick. No clock is
+ * read: time is the tick number, so that lockstep and real time run the same code. All memory is
+ * allocated by ss_haptic_create; ss_haptic_tick is RT-safe.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -59,9 +59,11 @@ typedef struct ss_haptic_output {
      * stand still. */
     double let_in_j;
     double energy_to_device_j, energy_from_device_j;
-    double stiffness_limit;  /* N/m */
-    double loop_delay_ms[2]; /* p50, p95 over 1 s; 5 until known */
-    int64_t bad_inputs;      /* ticks or results refused: not finite, normal not a unit one */
+    double stiffness_limit;     /* N/m */
+    int64_t stiffness_backoffs; /* that contacts which handed out energy took from it, so far */
+    int64_t damped_ticks;       /* in which the force was damped for the same reason, so far */
+    double loop_delay_ms[2];    /* p50, p95 over 1 s; 5 until known */
+    int64_t bad_inputs;         /* ticks or results refused: not finite, normal not a unit one */
 } ss_haptic_output;
 
 typedef struct ss_haptic ss_haptic;

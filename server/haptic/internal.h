@@ -7,8 +7,10 @@
  * admission.c  the admission gate: ramps (watchdog, pause, fault, stop), entry into tissue; slew
  * local_contact.c        the local contact model as a law affine in the proxy, offsets, grasp
  * coupling.c   the yielding spring between hand and proxy, the balance, the force limit
+ * yield.c      the spring's stiffness, which follows the tissue's
  * slip.c       what the force limit and a grasp let go leave between hand and proxy
  * observer.c   energy per contact, loop delay, stiffness limit
+ * passivity.c  damping and less stiffness where a contact hands out energy
  * haptic.c     the tick
  *
  * Symbols: x pose used, p proxy, p- proxy of the tick before, v hand velocity, T period,
@@ -175,6 +177,21 @@ double ss_coupling_spring(double limit, double k);
 /* x of A x = b, A symmetric positive definite. */
 void ss_coupling_solve(double a[3][3], const double b[3], double out[3]);
 
+/* ---- yield.c ---- */
+
+typedef struct ss_yield {
+    double spring;     /* N/m, K_c */
+    double rest[3];    /* m, r: where it is without force, from the hand's point (slip.c) */
+    double stretch[3]; /* m, s: from there to the proxy */
+} ss_yield;
+
+/* The spring is without force at the hand; its stiffness stays. */
+void ss_yield_clear(ss_yield *yield);
+/* Moves K_c towards `wanted`, in contact without a step of the force. */
+void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, double period);
+/* Where a balance left the proxy, the hand's point being at `hand`. */
+void ss_yield_take(ss_yield *yield, const double hand[3], const double proxy[3]);
+
 /* ---- slip.c ---- */
 
 typedef struct ss_slip {
@@ -210,11 +227,14 @@ typedef struct ss_past_force {
 typedef struct ss_observer {
     /* state: energy */
     bool has_sample, is_in_contact;
+    bool is_told; /* the device says which force was in effect */
     double x[3];
     int32_t force_seq;
     double energy, worst, to_device, from_device; /* J */
+    int64_t contacts;                             /* so far */
     /* state: delay */
     bool is_known;
+    bool is_settled;             /* the limit has been what the delay allows */
     double delay_p50, delay_p95; /* s */
     double limit;                /* N/m, K_max */
     int32_t sample_head, sample_count;
@@ -238,8 +258,40 @@ void ss_observer_force(ss_observer *observer, const ss_past_force *record);
 /* Once a tick: the delay's quantiles and the stiffness limit. */
 void ss_observer_tick(ss_observer *observer, const ss_haptic_config *config, bool corrects,
                       bool is_in_contact, int64_t tick);
+/* What a tick knows of the hand, beside the observer. */
+typedef struct ss_passivity_tick {
+    double period;      /* s */
+    double velocity[3]; /* m/s, of the hand */
+    double stiffness;   /* N/m, felt; 0: none */
+    bool corrects, is_grasping;
+} ss_passivity_tick;
+
+/* The energy of the contact, J, when all that was sent has reached a hand that goes on as it does.
+ * 0 out of contact. */
+double ss_observer_foresee(const ss_observer *observer, const ss_passivity_tick *now);
 /* The rule K_max(tau). */
 double ss_observer_rule(const ss_haptic_config *config, double delay, bool corrects);
+
+/* ---- passivity.c ---- */
+
+typedef struct ss_passivity {
+    double share;     /* of the limit that back-offs have left */
+    double forgiven;  /* J: the contact's energy at its last back-off */
+    int64_t contact;  /* that it belongs to */
+    int64_t since;    /* ticks, the last back-off */
+    int64_t backoffs; /* so far */
+    int64_t actions;  /* ticks so far that were damped */
+} ss_passivity;
+
+void ss_passivity_init(ss_passivity *passivity);
+/* Once a tick: backs off, and comes back. */
+void ss_passivity_step(ss_passivity *passivity, const ss_observer *observer, double period,
+                       bool is_in_contact);
+/* K_max that is left. */
+double ss_passivity_limit(const ss_passivity *passivity, const ss_observer *observer);
+/* Damps `force` where the contact is about to hand out energy; true when it did. */
+bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
+                       const ss_passivity_tick *now, double force[3]);
 
 /* ---- admission.c ---- */
 

@@ -17,10 +17,10 @@
  * Limit: a virtual spring S with delay is stable in a hand when S (T/2 + tau) <= b_hand + B_c
  * (Colgate's bound with delay). With 2 N s/m for the softest grip and a factor 1/2,
  *   K_max = min(stiffness, 0.5 (2 + B_c)/(T/2 + tau)),
- * tau/5 for a client that corrects forces between messages. Once known it moves by at most 20 % a
- * second, so that the hand does not feel it move, and upwards only out of contact: a loaded spring
- * F that stiffens from K to K + dK hands out F^2 dK / (2 K^2), a millijoule a second in a firm
- * hold.
+ * tau/5 for a client that corrects forces between messages. It moves by at most 20 % a second, so
+ * that the hand does not feel it move, but for the first time that tau is known, which a contact
+ * may have preceded: then it comes down in 50 ms. Upwards only out of contact: a loaded spring F
+ * that stiffens from K to K + dK hands out F^2 dK / (2 K^2), a millijoule a second in a firm hold.
  */
 #include "haptic/internal.h"
 
@@ -35,9 +35,11 @@
 #define SAFETY          0.5   /* covers the 2 to 22 % between bound and simulated wall */
 #define CORRECTION_GAIN 5.0   /* a correcting client's loop acts as if this much shorter */
 #define LIMIT_RATE      0.2   /* 1/s */
+#define FIRST_RATE      20.0  /* 1/s, down: until it is for the first time what the delay allows */
 #define LIMIT_FLOOR     1.0   /* N/m */
 #define CONTACT_FORCE   0.02  /* N: less is no contact */
-enum { KNOWN_SAMPLES = 100, QUANTILE_TICKS = 16 };
+/* Samples: enough for the delay; enough to see that it is longer than was thought. */
+enum { KNOWN_SAMPLES = 100, FEW_SAMPLES = 20, QUANTILE_TICKS = 16 };
 
 static const ss_past_force *find_force(const ss_observer *observer, int32_t seq)
 {
@@ -67,7 +69,7 @@ void ss_observer_restart(ss_observer *observer, const ss_haptic_config *config, 
     observer->sample_head = 0;
     observer->sample_count = 0;
     memset(observer->bucket_count, 0, sizeof observer->bucket_count);
-    observer->is_known = false;
+    observer->is_known = observer->is_settled = false;
     observer->delay_p50 = UNKNOWN_DELAY;
     observer->delay_p95 = UNKNOWN_DELAY;
     observer->limit = ss_observer_rule(config, UNKNOWN_DELAY, corrects);
@@ -104,6 +106,7 @@ static void add_energy(ss_observer *observer, const double force[3], const doubl
     const bool is_in_contact = ss_norm3(force) > CONTACT_FORCE;
     if (is_in_contact && !observer->is_in_contact) {
         observer->energy = 0.0;
+        ++observer->contacts;
     }
     observer->is_in_contact = is_in_contact;
     if (!is_in_contact) {
@@ -119,6 +122,29 @@ static void add_energy(ss_observer *observer, const double force[3], const doubl
     observer->from_device += fmax(0.0, taken);
     observer->to_device += fmax(0.0, -taken);
     observer->worst = fmin(observer->worst, observer->energy);
+}
+
+double ss_observer_foresee(const ss_observer *observer, const ss_passivity_tick *now)
+{
+    if (!observer->is_in_contact) {
+        return 0.0;
+    }
+    const int32_t ticks = (int32_t)fmin(observer->delay_p95 / now->period, SS_FORCE_HISTORY - 1);
+    double energy = observer->energy;
+    for (int32_t k = 0; k < ticks; ++k) {
+        /* The force in effect k ticks from now: sent a loop's delay before, or the last one as a
+         * client that corrects will have it. */
+        const ss_past_force *record =
+            find_force(observer, observer->last_seq - (now->corrects ? 0 : ticks - 1 - k));
+        if (record != NULL) {
+            double force[3];
+            const double stiffness = now->corrects ? now->stiffness : 0.0;
+            ss_madd3(force, record->force, -stiffness * k * now->period, now->velocity);
+            const bool is_pulling = !now->is_grasping && ss_dot3(force, record->force) < 0.0;
+            energy -= is_pulling ? 0.0 : ss_dot3(force, now->velocity) * now->period;
+        }
+    }
+    return energy;
 }
 
 static void add_delay(ss_observer *observer, const ss_haptic_config *config,
@@ -151,6 +177,7 @@ static void add_delay(ss_observer *observer, const ss_haptic_config *config,
 void ss_observer_pose(ss_observer *observer, const ss_haptic_config *config,
                       const softsim_pose *pose, int64_t tick)
 {
+    observer->is_told = ss_is_finite(pose->applied_force, 3) || pose->force_seq >= 0;
     if (observer->has_sample) {
         double force[3];
         applied_force(observer, config, pose, force);
@@ -198,14 +225,24 @@ void ss_observer_tick(ss_observer *observer, const ss_haptic_config *config, boo
     if (tick % QUANTILE_TICKS == 0) {
         observer->is_known = observer->sample_count >= KNOWN_SAMPLES;
         observer->delay_p50 = observer->is_known ? delay_quantile(observer, 0.50) : UNKNOWN_DELAY;
-        observer->delay_p95 = observer->is_known ? delay_quantile(observer, 0.95) : UNKNOWN_DELAY;
+        observer->delay_p95 = delay_quantile(observer, 0.95);
+        if (!observer->is_known) {
+            const bool is_some = observer->sample_count >= FEW_SAMPLES;
+            observer->delay_p95 =
+                is_some ? fmax(UNKNOWN_DELAY, observer->delay_p95) : UNKNOWN_DELAY;
+        }
     }
     const double wanted = ss_observer_rule(config, observer->delay_p95, corrects);
     if (observer->is_known && !was_known && !is_in_contact) {
         observer->limit = wanted;
+        observer->is_settled = true;
         return;
     }
-    const double factor = 1.0 + LIMIT_RATE * config->period;
-    const double highest = is_in_contact ? observer->limit : observer->limit * factor;
-    observer->limit = fmin(highest, fmax(observer->limit / factor, wanted));
+    const double up = 1.0 + LIMIT_RATE * config->period;
+    const bool is_first = !observer->is_settled && observer->sample_count >= FEW_SAMPLES;
+    const double down = is_first ? 1.0 + FIRST_RATE * config->period : up;
+    const double highest = is_in_contact ? observer->limit : observer->limit * up;
+    observer->limit = fmin(highest, fmax(observer->limit / down, wanted));
+    observer->is_settled =
+        observer->is_settled || (observer->is_known && observer->limit <= wanted);
 }

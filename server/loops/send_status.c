@@ -136,6 +136,7 @@ void ss_loops_send_status(ss_loops *loops)
         .total_j = info->kinetic + info->elastic,
         .energy_to_device_j = haptic->energy_to_device_j,
         .energy_from_device_j = haptic->energy_from_device_j,
+        .stiffness_backoffs = haptic->stiffness_backoffs,
         .scene = scene->path,
         .model = world->model_class->name};
     if (loops->options->lockstep) {

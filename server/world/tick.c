@@ -106,6 +106,7 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
     probe->taken_j = output.energy_from_device_j;
     stats->worst_contact_j[p] = output.worst_contact_j;
     stats->stiffness_limit[p] = output.stiffness_limit;
+    stats->stiffness_backoffs += output.stiffness_backoffs;
     stats->energy_to_device_j += output.energy_to_device_j;
     stats->energy_from_device_j += output.energy_from_device_j;
     for (int i = 0; i < 2 && output.has_force; ++i) {

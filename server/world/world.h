@@ -53,6 +53,7 @@ typedef struct ss_haptic_stats {
     int64_t late_periods;
     double worst_contact_j[SOFTSIM_MAX_PROBES];
     double stiffness_limit[SOFTSIM_MAX_PROBES];
+    int64_t stiffness_backoffs; /* of all probes, so far */
     double loop_delay_ms[2];
     double energy_to_device_j, energy_from_device_j;
     ss_hand_verdict hand; /* of energy that any hand was given lately: watch.h */

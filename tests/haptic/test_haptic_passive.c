@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * What the hand is given behind a bus, in closed loop (tools/bench/felt/hand.h): some of the rows
+ * of `softsim-bench felt --hands`, those that handed out most without damping and back-off, and
+ * good contacts, in which neither may act.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bench/felt/hand.h"
+#include "common/effort.h"
+#include "haptic_fixture.h"
+
+typedef struct row {
+    ss_sim_script script;
+    ss_sim_body body;
+    ss_sim_grip grip;
+    double tissue, rate_hz, delay_ms;
+    bool corrects;
+} row;
+
+static void play(const row *r, ss_hand_outcome *out)
+{
+    static const char *const script[] = {"press", "poke", "tap", "slide"};
+    const ss_hand_run run = {.body = r->body,
+                             .grip = r->grip,
+                             .script = r->script,
+                             .seed = 1,
+                             .bus = {.delay_ms = r->delay_ms},
+                             .is_correcting = r->corrects,
+                             .seconds = 2.0,
+                             .rate_hz = r->rate_hz,
+                             .tissue_n_per_m = r->tissue,
+                             .stiffness_n_per_m = 800.0,
+                             .damping_n_s_per_m = 2.0};
+    softsim_error error = {.status = SOFTSIM_OK};
+    assert_int_equal(ss_hand_play(&run, out, &error), SOFTSIM_OK);
+    print_message("%s, device %d, grip %d, %g N/m at %g Hz, %g ms%s: net %.2f mJ, chatter %.4f mm, "
+                  "damped %lld, back-offs %lld, limit %.0f N/m\n",
+                  script[r->script], r->body, r->grip, r->tissue, r->rate_hz, r->delay_ms,
+                  r->corrects ? " corrected" : "", 1e3 * out->net_j,
+                  1e3 * out->felt.chatter_m.value, (long long)out->damped_ticks,
+                  (long long)out->backoffs, out->least_limit_n_per_m);
+}
+
+static void a_late_bus_hands_out_little(void **state)
+{
+    (void)state;
+    static const row rows[] = {
+        {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, false},
+        {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 300, 1000, 5, false},
+        {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, true},
+        {SS_SCRIPT_TAP, SS_BODY_LIGHT, SS_GRIP_FIRM, 150, 60, 0, false},
+        {SS_SCRIPT_TAP, SS_BODY_MEDIUM, SS_GRIP_SOFT, 300, 1000, 5, false},
+        {SS_SCRIPT_TAP, SS_BODY_MEDIUM, SS_GRIP_SOFT, 150, 60, 10, false},
+        {SS_SCRIPT_PRESS, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, true},
+    };
+    for (size_t k = 0; k < FULL_IN_RELEASE(sizeof rows / sizeof *rows, 2); ++k) {
+        ss_hand_outcome out;
+        play(&rows[k], &out);
+        assert_true(out.is_passive);
+        assert_true(out.felt.chatter_m.value < 0.05e-3);
+    }
+}
+
+/* A bus of up to a millisecond, presses and 2 Hz pokes: neither damping nor back-off has anything
+ * to do, whatever the hand and the tissue. */
+static void good_contacts_are_left_alone(void **state)
+{
+    (void)state;
+    static const double tissue[3] = {50.0, 300.0, 3000.0};
+    SKIP_WHERE_REPEATED();
+    for (int n = 0; n < 3 * 3 * 3 * 2 * 2; ++n) {
+        const row r = {n % 2 ? SS_SCRIPT_PRESS : SS_SCRIPT_POKE,
+                       (ss_sim_body)(n / 2 % 3),
+                       (ss_sim_grip)(n / 6 % 3),
+                       tissue[n / 18 % 3],
+                       1000.0,
+                       n / 54,
+                       n / 54 == 1};
+        ss_hand_outcome out;
+        play(&r, &out);
+        assert_true(out.damped_ticks == 0 && out.backoffs == 0);
+        assert_true(out.is_passive);
+        assert_true(out.felt.chatter_m.value < 0.05e-3);
+    }
+}
+
+/* ---- the parts ---- */
+
+static ss_observer *touching_observer(double energy, double delay)
+{
+    ss_observer *observer = calloc(1, sizeof *observer);
+    assert_non_null(observer);
+    const ss_haptic_config config = default_config();
+    ss_observer_restart(observer, &config, false);
+    observer->is_in_contact = observer->is_told = true;
+    observer->contacts = 1;
+    observer->energy = energy;
+    observer->delay_p95 = delay;
+    observer->limit = 400.0;
+    return observer;
+}
+
+/* E below what is allowed: alpha v, at most alpha_max v and the debt in one tick, never a pull. */
+static void damping_takes_the_debt_and_never_pulls(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what;
+        double energy, delay, speed, force, expected;
+        bool is_grasping;
+    } rows[] = {
+        {"no debt", 1e-3, 0, 0.1, 1.0, 1.0, false},
+        {"allowed", -0.3e-3, 0, 0.1, 1.0, 1.0, false},
+        {"out, near", -5e-3, 1e-3, 0.05, 1.0, 0.5, false},
+        {"in, near", -5e-3, 1e-3, -0.05, 1.0, 1.5, false},
+        {"out, far", -5e-3, 10e-3, 0.05, 1.0, 0.75, false},
+        {"no pull", -5e-3, 1e-3, 0.3, 1.0, 0.0, false},
+        {"a grasp may", -5e-3, 1e-3, 0.3, 1.0, -2.0, true},
+        {"debt of a tick", -0.4e-3 - 0.1e-4, 0, 0.1, 1.0, 0.9, false},
+        {"without force", -5e-3, 0, -0.1, 0.0, 0.0, false},
+    };
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
+        ss_observer *observer = touching_observer(rows[k].energy, rows[k].delay);
+        ss_passivity passivity;
+        ss_passivity_init(&passivity);
+        const ss_passivity_tick now = {
+            .period = T, .velocity = {0, 0, rows[k].speed}, .is_grasping = rows[k].is_grasping};
+        double force[3] = {0.0, 0.0, rows[k].force};
+        ss_passivity_damp(&passivity, observer, &now, force);
+        if (fabs(force[2] - rows[k].expected) > 1e-9) {
+            fail_msg("%s: %.9g, not %g", rows[k].what, force[2], rows[k].expected);
+        }
+        free(observer);
+    }
+    /* Not on a guess. */
+    ss_observer *observer = touching_observer(-5e-3, 1e-3);
+    ss_passivity passivity;
+    ss_passivity_init(&passivity);
+    const ss_passivity_tick now = {.period = T, .velocity = {0, 0, -0.1}};
+    double force[3] = {0.0, 0.0, 1.0};
+    observer->is_told = false;
+    assert_false(ss_passivity_damp(&passivity, observer, &now, force));
+    for (int n = 0; n < 100; ++n) {
+        ss_passivity_step(&passivity, observer, T, true);
+    }
+    assert_true(force[2] == 1.0 && passivity.backoffs == 0);
+    free(observer);
+}
+
+/* What is on its way counts: 10 forces of 2 N against a hand that leaves at 0.1 m/s are 2 mJ. */
+static void what_is_on_its_way_counts(void **state)
+{
+    (void)state;
+    ss_observer *observer = touching_observer(1e-3, 10e-3);
+    for (int n = 1; n <= 100; ++n) {
+        ss_observer_force(observer, &(ss_past_force){.seq = n, .tick = n, .force = {0, 0, 2.0}});
+    }
+    ss_passivity_tick now = {.period = T, .velocity = {0, 0, 0.1}};
+    assert_near(ss_observer_foresee(observer, &now), 1e-3 - 2e-3, 1e-12);
+    /* A client that corrects takes 1000 N/m x 0.1 mm off in each: 2.0, 1.9, ... 1.1 N. */
+    now.corrects = true;
+    now.stiffness = 1000.0;
+    assert_near(ss_observer_foresee(observer, &now), 1e-3 - 15.5e-4, 1e-12);
+    observer->is_in_contact = false;
+    assert_near(ss_observer_foresee(observer, &now), 0.0, 0.0);
+    free(observer);
+}
+
+/* -1 mJ: K_max x 0.8, once in 20 ms and not again for the same debt; floor 50; back by 10 %/s out
+ * of contact. */
+static void back_off_is_paced_and_comes_back(void **state)
+{
+    (void)state;
+    ss_observer *observer = touching_observer(-1.5e-3, 1e-3);
+    ss_passivity passivity;
+    ss_passivity_init(&passivity);
+    for (int n = 1; n <= 100; ++n) {
+        ss_passivity_step(&passivity, observer, T, true);
+        assert_near(ss_passivity_limit(&passivity, observer), n < 20 ? 400.0 : 320.0, 1e-9);
+    }
+    assert_int_equal(passivity.backoffs, 1);
+    for (int n = 0; n < 1000; ++n) {
+        observer->energy -= 0.1e-3;
+        ss_passivity_step(&passivity, observer, T, true);
+    }
+    assert_near(ss_passivity_limit(&passivity, observer), 50.0, 1e-9);
+    assert_true(passivity.backoffs > 10 && passivity.backoffs <= 51);
+    const int64_t backoffs = passivity.backoffs;
+    ++observer->contacts; /* another contact owes nothing of it */
+    observer->energy = -0.5e-3;
+    for (int n = 0; n < 1000; ++n) {
+        ss_passivity_step(&passivity, observer, T, false);
+    }
+    assert_int_equal(passivity.backoffs, backoffs);
+    assert_near(ss_passivity_limit(&passivity, observer), 50.0 * exp(0.1), 0.01);
+    for (int n = 0; n < 100000; ++n) {
+        ss_passivity_step(&passivity, observer, T, false);
+    }
+    assert_near(ss_passivity_limit(&passivity, observer), 400.0, 1e-9);
+    observer->limit = 30.0; /* the rule itself is below the floor */
+    observer->energy = -1.0;
+    for (int n = 0; n < 100; ++n) {
+        ss_passivity_step(&passivity, observer, T, true);
+    }
+    assert_near(ss_passivity_limit(&passivity, observer), 30.0, 1e-9);
+    free(observer);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(damping_takes_the_debt_and_never_pulls),
+        cmocka_unit_test(what_is_on_its_way_counts),
+        cmocka_unit_test(back_off_is_paced_and_comes_back),
+        cmocka_unit_test(a_late_bus_hands_out_little),
+        cmocka_unit_test(good_contacts_are_left_alone),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* What the hand feels of stiff tissue, as the difference of the force over the difference of the
+ * way: no stiffer than the limit, and as the wire says. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "haptic_fixture.h"
+
+enum { WINDOW = 5, TICKS = 1200, DOWN_TICKS = 400 };
+#define LIMIT 400.0 /* N/m */
+
+/* Tissue without mass: layers that the tool meets one after the other, `apart` each, every one a
+ * contact of its own with a spring that hardens in its first 0.2 mm from `soft` to `hard`. */
+typedef struct layers {
+    int count;
+    double apart, soft, hard, tilt;
+} layers;
+
+static double layer_force(const layers *tissue, double depth)
+{
+    const double bend = 0.2e-3;
+    return depth < bend ? tissue->soft * depth
+                        : tissue->soft * bend + tissue->hard * (depth - bend);
+}
+
+static void layers_result(rig *r, const layers *tissue)
+{
+    const double *p = r->out.force.proxy;
+    rig_result(r, tissue->soft, -p[2], 1);
+    ss_copy3(r->result.proxy, p);
+    ss_contact_set *set = &r->result.set;
+    set->count = tissue->count;
+    for (int i = 0; i < tissue->count; ++i) {
+        const double side = (i % 2 == 0 ? 1.0 : -1.0) * tissue->tilt;
+        const double own = -p[0] * sin(side) - (p[2] + i * tissue->apart) * cos(side);
+        ss_contact *c = &set->contact[i];
+        *c = (ss_contact){.stiffness = own < 0.2e-3 ? tissue->soft : tissue->hard,
+                          .force = own > 0.0 ? layer_force(tissue, own) : 0.0,
+                          .gap = fmax(0.0, -own)};
+        ss_set3(c->normal, sin(side), 0.0, cos(side));
+        c->point[0] = 0.01 * i;
+    }
+}
+
+/* Pressed 8 mm deep in .4 s, held, and out again. */
+static double path_z(int n)
+{
+    const double down = fmin(1.0, n / (double)DOWN_TICKS);
+    const double up = fmax(0.0, (n - 800.0) / DOWN_TICKS);
+    return 1e-3 - 9e-3 * (down - up);
+}
+
+static void limit_holds_from_the_first_tick(void **state)
+{
+    (void)state;
+    static const layers tissue[] = {{1, 0.0, 100.0, 6000.0, 0.0},
+                                    {1, 0.0, 4000.0, 4000.0, 0.0},
+                                    {2, 1e-3, 300.0, 300.0, 0.0},
+                                    {4, 0.5e-3, 100.0, 900.0, 0.6}};
+    ss_haptic_config config = default_config();
+    config.stiffness = LIMIT;
+    config.max_force = 100.0;
+    for (size_t k = 0; k < sizeof tissue / sizeof *tissue; ++k) {
+        static double force[TICKS];
+        rig r;
+        rig_start(&r, &config);
+        double worst = 0.0, held = 0.0;
+        for (int n = 0; n < TICKS; ++n) {
+            const double z = path_z(n);
+            if (n > 0) {
+                layers_result(&r, &tissue[k]);
+            }
+            force[n] = rig_tick(&r, z);
+            const double way = n >= WINDOW ? path_z(n - WINDOW) - z : 0.0;
+            if (fabs(way) > 1e-6 && force[n] > 0.0 && force[n - WINDOW] > 0.0) {
+                worst = fmax(worst, (force[n] - force[n - WINDOW]) / way);
+            }
+            /* No step either: one of the window's worth at most, to both sides. */
+            assert_true(n == 0 || fabs(force[n] - force[n - 1]) <= 1.05 * LIMIT * 30e-6 + 0.02);
+            held = n == 790 ? force[n] : held;
+        }
+        print_message("%d layers, %g to %g N/m: felt at most %.0f N/m, held %.3f N\n",
+                      tissue[k].count, tissue[k].soft, tissue[k].hard, worst, held);
+        assert_true(worst <= 1.05 * LIMIT);
+        /* It is the limit that is felt, not less. */
+        assert_true(held > (k == 0 || k == 3 ? 0.7 : 0.9) * LIMIT * 7e-3);
+        rig_end(&r);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(limit_holds_from_the_first_tick),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
