@@ -13,9 +13,9 @@
 #include "rt/vec.h"
 
 static const double velocity_cutoff_hz = 50.0;
-static const int64_t away_ns = 250000000;             /* without a force: they have stopped */
-static const double let_go_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
-enum { FIRST_FORCES = 100 };                          /* in which a start inside the tissue shows */
+static const int64_t away_ns = 250000000;               /* without a force: they have stopped */
+static const double withhold_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
+enum { FIRST_FORCES = 100 }; /* in which a start inside the tissue shows */
 
 #define COLUMNS "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j"
 const char ss_bridge_csv_header[] = COLUMNS "\n";
@@ -126,13 +126,13 @@ static bool read_device(ss_bridge *bridge)
     }
     if (bridge->has_sample) {
         const double period_s = bridge->device.period_s;
-        const double share = 1.0 - exp(-2.0 * SS_PI * velocity_cutoff_hz * period_s);
+        const double alpha = 1.0 - exp(-2.0 * SS_PI * velocity_cutoff_hz * period_s);
         double moved[3];
         ss_sub3(moved, sample.true_position, bridge->sample.true_position);
         bridge->summary.energy_in_j -= ss_dot3(bridge->device_force, moved);
         for (int i = 0; i < 3; ++i) {
             const double raw = (sample.position[i] - bridge->sample.position[i]) / period_s;
-            bridge->velocity[i] += share * (raw - bridge->velocity[i]);
+            bridge->velocity[i] += alpha * (raw - bridge->velocity[i]);
         }
         if (bridge->config.csv != NULL) {
             write_row(bridge, moved);
@@ -165,7 +165,7 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     double device[3];
     pose->force_seq = ss_corrector_force_seq(&bridge->corrector, now_ns);
     ss_corrector_force(&bridge->corrector, now_ns, pose->position, world);
-    ss_scale3(world, world, 1.0 - bridge->let_go);
+    ss_scale3(world, world, 1.0 - bridge->withheld);
     ss_frame_force_to_device(&bridge->frame, world, device);
     const bool is_contact =
         pose->force_seq >= 0 && (bridge->corrector.force.flags & SOFTSIM_FORCE_CONTACT) != 0;
@@ -272,12 +272,12 @@ static void watch_servers(ss_bridge *bridge, const softsim_client *client)
 {
     const bool are_two = softsim_client_hears_two(client);
     const double period_s = bridge->device.period_s;
-    const double change = are_two ? period_s / let_go_s : -period_s / take_up_s;
-    bridge->let_go = fmin(1.0, fmax(0.0, bridge->let_go + change));
+    const double change = are_two ? period_s / withhold_s : -period_s / take_up_s;
+    bridge->withheld = fmin(1.0, fmax(0.0, bridge->withheld + change));
     if (are_two && bridge->config.program != NULL) {
         ss_process_tell_two(bridge->config.program, "the force is let go", true);
     }
-    bridge->summary.has_let_go = bridge->summary.has_let_go || are_two;
+    bridge->summary.has_withheld = bridge->summary.has_withheld || are_two;
 }
 
 /* Is the run over? One that has an end of its own is complete only there. */

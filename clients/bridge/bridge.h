@@ -47,12 +47,12 @@ typedef struct ss_bridge_summary {
     int64_t answered;     /* poses with at least one force */
     double peak_force_n, energy_in_j;
     double latency_sum_us, max_latency_us; /* of the first force that answers a pose */
-    int64_t others;   /* answers that another sender holds the probe; no forces */
-    double other_s;   /* from the first of them to the first force after */
-    bool was_inside;  /* the first forces were faded in: the hand began inside the tissue */
-    bool has_stopped; /* forces came, and were away at the end */
-    bool has_let_go;  /* two servers were heard */
-    bool is_complete; /* ran to its own end, or has none and was stopped */
+    int64_t others;    /* answers that another sender holds the probe; no forces */
+    double other_s;    /* from the first of them to the first force after */
+    bool was_inside;   /* the first forces were faded in: the hand began inside the tissue */
+    bool has_stopped;  /* forces came, and were away at the end */
+    bool has_withheld; /* two servers were heard */
+    bool is_complete;  /* ran to its own end, or has none and was stopped */
 } ss_bridge_summary;
 
 typedef struct ss_bridge {
@@ -75,7 +75,7 @@ typedef struct ss_bridge {
     double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
-    double let_go;                   /* share of the force that is kept back: two servers answer */
+    double withheld;                 /* share of the force that is kept back: two servers answer */
     ss_bus *poses_out, *forces_in;   /* NULL without a server */
     ss_bridge_summary summary;
 } ss_bridge;

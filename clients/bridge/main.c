@@ -212,8 +212,8 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
                 program);
     }
     const ss_bridge_summary *s = &bridge->summary;
-    return is_good && s->forces > 0 && !s->has_stopped && !s->has_let_go ? EXIT_SUCCESS
-                                                                         : EXIT_FAILURE;
+    return is_good && s->forces > 0 && !s->has_stopped && !s->has_withheld ? EXIT_SUCCESS
+                                                                           : EXIT_FAILURE;
 }
 
 /* A recording has its own name only when it is complete. */

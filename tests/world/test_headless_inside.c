@@ -264,7 +264,7 @@ static meeting meet(const fall *one, const char *contact, double sway)
     return out;
 }
 
-/* As much as by a tool that sways further than a gather spares, and so looks anew. */
+/* As much as by a tool that sways further than the path_slack, and so searches again. */
 TEST(tissue_that_comes_to_a_still_tool_is_felt)
 {
     for (size_t k = 0; k < sizeof falls / sizeof *falls; k += FULL_IN_RELEASE(1, 2)) {

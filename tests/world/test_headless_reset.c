@@ -74,8 +74,8 @@ static bool storm(int model, heard way, const char *const name[2], int gap, int 
     const bool is_pause = strcmp(name[0], "pause") == 0;
     /* Chains keep a dent: a tool that is let in again feels nothing in it. */
     const bool keeps_dent = is_pause && strcmp(b->name, "chainmail") == 0;
-    /* The hybrid's particles, which wake anew under a tool that is let in again, push up to half as
-     * much more before they come to rest where they were. */
+    /* The hybrid's particles, which wake again under a tool that is let in again, push up to half
+     * as much more before they come to rest where they were. */
     const double most = is_pause && strcmp(b->name, "hm1") == 0 ? 1.6 : 1.1;
     /* A body at rest is not struck at all; one that was held deep springs back against the tool. */
     const double struck = is_pause ? 3.0 : 1.1;

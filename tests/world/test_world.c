@@ -45,8 +45,8 @@ static softsim_pose pose_of(int64_t sender, int32_t seq, int32_t probe)
                           .applied_force = {NAN, NAN, NAN}};
 }
 
-/* Set-up arithmetic belongs to the result: the daemon and a headless run set it up alike. First:
- * the mode stays. */
+/* Set-up arithmetic belongs to the result: the daemon and a headless run set it up in the same way.
+ * First: the mode stays. */
 TEST(a_world_is_set_up_without_denormals)
 {
     ss_world *world = create(SCENES "cylinder.yaml", false);

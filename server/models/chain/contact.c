@@ -148,8 +148,8 @@ static void refit(ss_model *model)
     }
 }
 
-/* What was felt and pressed, and how deep; what was grasped is let go already. */
-static void let_go(ss_chain_tool *tool)
+/* What was felt and pressed, and how deep; what was grasped is released already. */
+static void clear_contact(ss_chain_tool *tool)
 {
     tool->is_touching = tool->base->was_touching = false;
     tool->base->grasp.is_pressed = false;
@@ -179,7 +179,7 @@ void ss_chain_tools_reset(ss_model *model)
     memset(model->firmness, 0, n * sizeof *model->firmness);
     ss_tools_reset(&model->tools);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        let_go(&model->tool[k]);
+        clear_contact(&model->tool[k]);
     }
 }
 
@@ -205,7 +205,7 @@ void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_P
             is_any = true;
         }
         if (news == SS_TOOL_LOST || !base->is_present) {
-            let_go(own);
+            clear_contact(own);
         }
         if (base->is_present) {
             base->pose = base->from;

@@ -82,7 +82,7 @@ int32_t ss_mail_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX
 void ss_mail_refit(ss_model *model, int64_t step);
 /* The tools at `path` of the step: what they touch becomes a sponsor. */
 void ss_mail_tools_move(ss_model *model, double path);
-/* Buttons pressed and let go. */
+/* Buttons pressed and released. */
 void ss_mail_tools_grasp(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
 /* What they feel at the end of the step. */
 void ss_mail_tools_measure(ss_model *model);

@@ -125,8 +125,8 @@ typedef struct ss_cnn_tool {
     const double *weight;
     double *mu, *eps, *eta, *share;
     ss_cnn_contact_cell cell, cell_before;   /* one-cell sources; before: at the sub-step's start */
-    double reference_before, penalty_before; /* at the sub-step's start, likewise */
-    double given_before;                     /* likewise */
+    double reference_before, penalty_before; /* at the sub-step's start */
+    double given_before;                     /* J, at the sub-step's start */
     double weight_sum, amplitude_slope;
     bool is_fading;        /* 0 < a < 1: W, a and da/dW psi are taken at every stage */
     double *fading_mu;     /* da/dW psi of every touched cell */
@@ -145,7 +145,7 @@ typedef struct ss_cnn_prescribed {
 typedef struct ss_cnn_enclosed {
     double volume;   /* V0, m^3 */
     double change;   /* sum N.u at the last evaluation, m^3 */
-    double pressure; /* Pa, likewise */
+    double pressure; /* Pa */
     double along;    /* m^3: N.x of the tangent, scratch */
 } ss_cnn_enclosed;
 
@@ -301,8 +301,8 @@ void ss_cnn_source_moduli(ss_model *model);
 /* Weighs the tissue under a tool at `pose`: kap, eps_i, a, and the forces f_s through the
  * weights, which are added to model->base. */
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose);
-/* The tool has let go, or jumped: its next touch begins anew. */
-void ss_cnn_source_let_go(ss_cnn_tool *tool);
+/* The tool has left, or jumped: its next touch begins again. */
+void ss_cnn_source_end_contact(ss_cnn_tool *tool);
 /* What the tools' sources remember of their touch, put aside and put back around a sub-step. */
 void ss_cnn_source_keep(ss_model *model);
 void ss_cnn_source_restore(ss_model *model);

@@ -256,7 +256,7 @@ static void reset(ss_model *model)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *tool = &model->tool[k];
         tool->count = 0;
-        ss_cnn_source_let_go(tool);
+        ss_cnn_source_end_contact(tool);
         tool->source.is_on = false;
         tool->source.given = 0.0;
         if (tool->base->is_used) {

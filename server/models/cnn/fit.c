@@ -4,7 +4,7 @@
 /*
  * Free bodies: where the rest shape lies now, P* = R P0 + t.
  *
- * R and t are the best rigid fit of the present positions (weights ks), taken anew at every
+ * R and t are the best rigid fit of the present positions (weights ks), recomputed at every
  * evaluation, without memory. At the fit the energy of the rest springs does not change with R
  * and t, so that ks (P - P*) is still the gradient, and neither a net force nor a torque is left.
  * R is the unit quaternion that belongs to the largest eigenvalue of Horn's 4 x 4 matrix (1987),

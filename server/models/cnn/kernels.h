@@ -98,7 +98,8 @@ typedef struct ss_cnn_kernels {
                     ss_real *kap, ss_real *b);
     /* strain = P0_e.u_e + |u_e|^2/2, stretch = |u_e|^2/2 (= (|P_e|^2 - L0^2)/2). */
     void (*strain)(const ss_cnn_edges *edges, const ss_real *u, ss_real *strain, ss_real *stretch);
-    /* sum += weight[c] column[c] for `count` columns; eps[c] += column[c].strain, eta likewise. */
+    /* sum += weight[c] column[c] for `count` columns; eps[c] += column[c].strain, and the same for
+     * eta. */
     void (*combine)(int32_t padded_count, int32_t count, const ss_real *const *column,
                     const double *weight, const ss_real *strain, const ss_real *stretch,
                     ss_real *sum, double *eps, double *eta);
@@ -122,7 +123,7 @@ typedef struct ss_cnn_kernels {
     double (*largest)(const ss_cnn_part *part, const double *a, const double *b);
     /* sum |r|^2 / m */
     double (*weighted_square)(const ss_cnn_part *part, const ss_real *r, const ss_real *mobility);
-    /* u = -mobility sum_m y[m] f[m], v likewise with w: where `count` forces have led the nodes. */
+    /* u = -mobility sum_m y[m] f[m], v the same with w: where `count` forces have led the nodes. */
     void (*follow)(const ss_cnn_part *part, int32_t count, const ss_real *const *f, const double *y,
                    const double *w, const ss_real *mobility, ss_real *u, ss_real *v);
     /* The same u for a list of nodes (numbers x 4). */

@@ -54,7 +54,7 @@ typedef struct ss_cnn_fabric {
 } ss_cnn_fabric;
 
 /* What one element adds to the templates of its sides and to the sizes of its cells: sums over
- * elements are all there is, so that what an element leaves behind can be summed anew. */
+ * elements are all there is, so that what an element leaves behind can be summed again. */
 typedef struct ss_cnn_share {
     int corners, sides;
     int32_t node[4];   /* of the corners */

@@ -35,7 +35,7 @@
  *
  * `source: contact` is the paper's literal reading (Zhong et al. 2006, equation 10): one contact
  * cell carries the whole source and every other cell none, w^ = 1 there, mu_i = (da/dW) (psi -
- * psi_0). It is the cell of largest weight under the tool, chosen anew between sub-steps while the
+ * psi_0). It is the cell of largest weight under the tool, chosen again between sub-steps while the
  * tool only nears (the energy of a change is booked as work; tissue at rest has none), and kept
  * from the first sub-step that ends with the tool pressed in until it lets go (W = 0), jumps or
  * disappears: a cell that followed the tool would be the nearest node that jumps, with the force.
@@ -398,7 +398,7 @@ double ss_cnn_source_fading_stiffness(ss_model *model, ss_cnn_tool *tool)
            model->kernels->weighted_square(model->part, tool->weight_slope, model->mobility);
 }
 
-void ss_cnn_source_let_go(ss_cnn_tool *tool)
+void ss_cnn_source_end_contact(ss_cnn_tool *tool)
 {
     tool->cell = (ss_cnn_contact_cell){.node = -1};
     tool->source.reference = 0.0;
@@ -473,7 +473,7 @@ void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose 
     tool->mu_largest = 0.0;
     if (!tool->source.is_on) {
         tool->count = 0;
-        ss_cnn_source_let_go(tool);
+        ss_cnn_source_end_contact(tool);
         return;
     }
     set_amplitude(tool);

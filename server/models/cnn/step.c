@@ -510,7 +510,7 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
         const ss_tool_news news = ss_tool_take(own->base, tool ? &tool[k] : NULL);
         model->is_ready = model->is_ready && news == SS_TOOL_KEPT;
         if (news == SS_TOOL_LOST || !own->base->is_present) {
-            ss_cnn_source_let_go(own);
+            ss_cnn_source_end_contact(own);
         }
         if (!own->base->is_present) {
             own->source.is_on = false;

@@ -172,7 +172,7 @@ void ss_body_set_contact_stiffness(ss_body *body);
 void ss_body_tools_reset(ss_body *body);
 /* Takes over where the tools go: not ready where one came, left or jumped. */
 void ss_body_take_tools(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
-/* Buttons pressed and let go, at the start of a step. */
+/* Buttons pressed and released, at the start of a step. */
 void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
 /* Sub-steps that the tools' motion asks for: R/4 each, where anything is in the way. */
 int32_t ss_body_motion_steps(ss_body *body);

@@ -62,7 +62,7 @@ typedef struct ss_fem_pass {
     const ss_real *v;        /* NULL: no viscous stress */
     const ss_real *x;        /* direction of the tangent */
     const ss_real *pressure; /* p of a node in the first lane of its quad, Pa; NULL: none */
-    const ss_real *change;   /* of p along x, likewise */
+    const ss_real *change;   /* of p along x, in the same layout */
     ss_real *out;            /* quads, added to */
     bool wants_energy;
     double energy, power; /* J, W: added to */

@@ -68,8 +68,8 @@ void ss_tools_warn_unheld(const ss_tools *tools, bool is_held, const ss_notes *o
 
 typedef enum ss_tool_news {
     SS_TOOL_KEPT,  /* it goes on from where it was, or stays away */
-    SS_TOOL_MOVED, /* it came, or begins a little off its pose: forces are to be evaluated anew */
-    SS_TOOL_LOST   /* it left or jumped, and holds nothing any more; likewise */
+    SS_TOOL_MOVED, /* it came, or begins a little off its pose: forces are to be evaluated again */
+    SS_TOOL_LOST   /* it left or jumped, and holds nothing any more; evaluate again */
 } ss_tool_news;
 
 /* Takes over where a tool goes in the outer step; `input` NULL: it is not there. */
@@ -82,14 +82,14 @@ bool ss_tools_is_any(const ss_tools *tools);
 double ss_tools_parts(const ss_tools *tools);
 /* The work of the tools for a whole step's way at the forces of the last evaluation, J. */
 double ss_tools_work(const ss_tools *tools);
-/* Grasps that were released let go by `h` seconds' worth; settle then adds what they lost to
+/* Grasps that were released fade by `h` seconds' worth; accept_fade then adds what they lost to
  * *energy (J), or takes it back. */
 void ss_tools_fade(ss_tools *tools, double h);
 void ss_tools_accept_fade(ss_tools *tools, bool is_accepted, double *energy);
 
 /* ---- what a tool presses ---- */
 
-/* Evaluates at `pose` and displacements u: the tool's force anew, the nodes' added to `force`
+/* Evaluates at `pose` and displacements u: the tool's force is set, the nodes' added to `force`
  * (NULL: the penalty's are not wanted) and `grasp_force`. */
 void ss_tools_press(const ss_tools *tools, ss_tool *tool, const ss_real *u, ss_real *force,
                     ss_real *grasp_force);

@@ -281,7 +281,7 @@ typedef struct turned_element {
 } turned_element;
 
 /* Newton steps from t->q; false where one lane has not come to a maximum. */
-SS_INLINE bool settle(const tensor *h, int max_steps, turned_element *t)
+SS_INLINE bool fit_rotation(const tensor *h, int max_steps, turned_element *t)
 {
     ss_wide axis[3];
     t->turn = turn_of(&t->q);
@@ -347,9 +347,9 @@ SS_INLINE ss_wide evaluate_some(ss_corot_pass *pass, const element *some, const 
 {
     turned_element t;
     t.q = guess_rotation(&some->h);
-    if (!settle(&some->h, MAX_QUICK, &t)) {
+    if (!fit_rotation(&some->h, MAX_QUICK, &t)) {
         t.q = nearest_rotation(&some->h);
-        (void)settle(&some->h, MAX_SURE, &t);
+        (void)fit_rotation(&some->h, MAX_SURE, &t);
     }
     const ss_wide ratio = volume_ratio(&t.e);
     if (ss_wide_any_below(ratio, all(0.0))) {

@@ -113,13 +113,13 @@ void ss_hybrid_measure(ss_hybrid *hybrid)
 {
     int32_t tried[PLACES];
     hybrid->u = ss_body_read_nodes(hybrid->body)->u;
-    ss_hybrid_settle(hybrid);
+    ss_hybrid_reset_layer(hybrid);
     hybrid->rest_rate2 = ss_hybrid_converge_rate(hybrid);
     for (int32_t k = 0; k < PLACES && !hybrid->is_all_awake && hybrid->layer->skin_count > 0; ++k) {
         tried[k] = furthest(hybrid, tried, k);
         ss_hybrid_wake_around(hybrid, tried[k]);
         hybrid->rest_rate2 = fmax(hybrid->rest_rate2, ss_hybrid_converge_rate(hybrid));
-        ss_hybrid_settle(hybrid);
+        ss_hybrid_reset_layer(hybrid);
     }
     ss_hybrid_forget(hybrid);
 }

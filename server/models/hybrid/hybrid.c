@@ -436,10 +436,10 @@ static bool is_any_held(const uint8_t *fixed, int32_t count)
     return is_held;
 }
 
-static void settle(void *owner)
+static void reset_owner(void *owner)
 {
     ss_hybrid *hybrid = owner;
-    ss_hybrid_settle(hybrid);
+    ss_hybrid_reset_layer(hybrid);
     ss_hybrid_forget(hybrid);
     ss_inverted_reset(&hybrid->inverted);
 }
@@ -483,7 +483,7 @@ static softsim_status create_body(ss_hybrid *hybrid, const ss_model_plan *plan, 
                                            .diagonal = ss_hybrid_diagonal,
                                            .viscous_time = hybrid->material.viscous_time,
                                            .stable_step = ss_hybrid_stable_step,
-                                           .reset = settle,
+                                           .reset = reset_owner,
                                            .hash = hash_layer},
                                .skin = {.mesh = plan->mesh,
                                         .sigma = density * hybrid->least_spacing,
@@ -508,10 +508,10 @@ static softsim_status measure_and_create_body(ss_hybrid *hybrid, const ss_model_
         return status;
     }
     ss_hybrid_measure(hybrid);
-    ss_hybrid_settle(hybrid);
+    ss_hybrid_reset_layer(hybrid);
     const bool is_all_awake = hybrid->is_all_awake;
     hybrid->is_all_awake = false; /* the new body begins with its masses asleep */
-    ss_hybrid_settle(hybrid);
+    ss_hybrid_reset_layer(hybrid);
     hybrid->is_all_awake = is_all_awake;
     ss_body_destroy(&hybrid->body);
     const double limit =

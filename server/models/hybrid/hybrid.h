@@ -197,7 +197,7 @@ void ss_hybrid_gather_near(ss_hybrid *hybrid);
 /* No node of the body is a particle's. */
 void ss_hybrid_idle_all(ss_hybrid *hybrid);
 /* All asleep, or all awake where nothing sleeps. */
-void ss_hybrid_settle(ss_hybrid *hybrid);
+void ss_hybrid_reset_layer(ss_hybrid *hybrid);
 /* How many are to be awake at once: all where there is room for all. */
 double ss_hybrid_most_wanted(const ss_hybrid *hybrid);
 /* Before every outer step; true when anything changed that forces depend on. */

@@ -527,7 +527,7 @@ static void begin_asleep(ss_hybrid *hybrid)
     }
 }
 
-void ss_hybrid_settle(ss_hybrid *hybrid)
+void ss_hybrid_reset_layer(ss_hybrid *hybrid)
 {
     while (hybrid->wanted_count > 0 && !hybrid->is_all_awake) {
         unmark_wanted(hybrid, hybrid->wanted[hybrid->wanted_count - 1]);

@@ -595,7 +595,7 @@ TEST(columns_agree_with_a_dense_solve)
         random_state = 31;
         for (int i = 0; i < n; ++i) {
             held[i] = mesh->position[i][2] < -0.49;
-            /* In volumes alike along, so that what a cell sends out can be told. */
+            /* In volumes it is equal along, so that what a cell sends out can be told. */
             along[i] = kind == 2 ? 1.0 : 1.0 + 0.8 * random_unit();
             across[i] = 3.0 + 2.0 * random_unit();
         }

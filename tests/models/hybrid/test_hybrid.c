@@ -230,7 +230,7 @@ TEST(waking_keeps_mass_and_momentum)
     assert_true(kinetic_of(hybrid) <= kinetic);
     kinetic = kinetic_of(hybrid);
     sum_up(hybrid, &mass[1], momentum[1], &volume[1]);
-    ss_hybrid_settle(hybrid);
+    ss_hybrid_reset_layer(hybrid);
     assert_true(kinetic_of(hybrid) <= kinetic);
     assert_int_equal(hybrid->awake_count, 0);
     assert_int_equal(hybrid->point_count, 0);
@@ -433,7 +433,7 @@ TEST(rows_have_room)
             }
             assert_near(sum, 1.0, 1e-4);
         }
-        ss_hybrid_settle(hybrid);
+        ss_hybrid_reset_layer(hybrid);
     }
     setup_fini(&s);
 }

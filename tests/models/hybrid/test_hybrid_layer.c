@@ -138,7 +138,7 @@ TEST(far_spacings_have_mutual_neighbours)
     }
     for (int32_t skin = 0; skin < layer->skin_count; skin += 5) {
         ss_hybrid_wake_around(hybrid, skin);
-        ss_hybrid_settle(hybrid);
+        ss_hybrid_reset_layer(hybrid);
         assert_int_equal(hybrid->point_count, 0);
     }
     free(spacing);

@@ -41,7 +41,7 @@ typedef struct scratch {
     double *sample;
 } scratch;
 
-static double share(const ss_felt_row *row, int64_t i, double hz)
+static double alpha_of(const ss_felt_row *row, int64_t i, double hz)
 {
     return 1.0 - exp(-TWO_PI * hz * (row[i].time_s - row[i - 1].time_s));
 }
@@ -110,15 +110,15 @@ static void smooth(const ss_felt_row *row, int64_t count, double (*out)[3])
 {
     ss_copy3(out[0], row[0].x);
     for (int64_t i = 1; i < count; ++i) {
-        const double a = share(row, i, SMOOTH_HZ);
+        const double alpha = alpha_of(row, i, SMOOTH_HZ);
         for (int axis = 0; axis < 3; ++axis) {
-            out[i][axis] = out[i - 1][axis] + a * (row[i].x[axis] - out[i - 1][axis]);
+            out[i][axis] = out[i - 1][axis] + alpha * (row[i].x[axis] - out[i - 1][axis]);
         }
     }
     for (int64_t i = count - 1; i > 0; --i) {
-        const double a = share(row, i, SMOOTH_HZ);
+        const double alpha = alpha_of(row, i, SMOOTH_HZ);
         for (int axis = 0; axis < 3; ++axis) {
-            out[i - 1][axis] = out[i][axis] + a * (out[i - 1][axis] - out[i][axis]);
+            out[i - 1][axis] = out[i][axis] + alpha * (out[i - 1][axis] - out[i][axis]);
         }
     }
 }
