@@ -247,7 +247,7 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
         .pose_tick = haptic->pose_tick,
         .is_paused = input->is_paused,
         /* The same device elsewhere: down with the force, then in anew. */
-        .is_reset = is_reset || begins.is_return,
+        .is_reset = is_reset || begins.is_return || ss_slip_is_lost(&haptic->slip),
         .is_stopping = input->is_stopping,
         .is_new_holder = begins.is_new_holder,
         .is_fault = haptic->is_fault,

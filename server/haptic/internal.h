@@ -210,6 +210,8 @@ void ss_slip_clear(ss_slip *slip);
  * up so that tissue of `stiffness` (N/m, as felt) can follow. True while it goes down. */
 bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, double size,
                     double stiffness);
+/* Has a grasp that was let go left the proxy too far from the hand to come back? */
+bool ss_slip_is_lost(const ss_slip *slip);
 /* A grasp was let go with the coupling's force-free point `aside` of the hand. */
 void ss_slip_let_go(ss_slip *slip, const double aside[3]);
 /* What a balance with a coupling of `spring` leaves; `force` is the local contact model's. */

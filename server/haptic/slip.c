@@ -16,6 +16,10 @@
 
 /* s: in which a proxy beside the hand comes over it. */
 #define ASIDE_TIME 0.1
+/* m: so far beside, it does not come over: the force goes down, and the tool begins anew where the
+ * hand is. A button that is pressed again before the proxy has come over adds to what is left: one
+ * that bounced every 3 ms on a hand that shook took the tool 0.6 m away. */
+#define LOST 0.05
 /* How a limit that is raised lets the slip go: at most as fast as a hand presses, in time with what
  * is left of it, and not without end. */
 #define RISE_SPEED       0.1   /* m/s */
@@ -48,6 +52,11 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
         slip->limit = wanted;
     }
     return false;
+}
+
+bool ss_slip_is_lost(const ss_slip *slip)
+{
+    return slip->has_let_go && ss_norm3(slip->aside) > LOST;
 }
 
 void ss_slip_let_go(ss_slip *slip, const double aside[3])

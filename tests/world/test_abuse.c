@@ -282,6 +282,39 @@ TEST(a_jittering_tracker_stops_nothing)
     }
 }
 
+/* A button that bounces while the hand shakes: grasped the tool stays where it is, let go it goes
+ * along with the hand, and so each bounce could take it further away. */
+TEST(a_bouncing_button_does_not_lose_the_tool)
+{
+    ss_world *world = make_scene(KIDNEY, NULL, 0);
+    double apart = 0.0, x[3] = {0.005, 0.003, free_z}, shake[3] = {0.0};
+    bool is_pressed = false;
+    for (int32_t k = 1; k <= 2000; ++k) {
+        double between[3];
+        for (int a = 0; a < 3 && k > 100 && k % 3 == 0; ++a) {
+            shake[a] = 0.01 * noise();
+        }
+        ss_set3(x, 0.005 + shake[0], 0.003 + shake[1], height(k) + shake[2]);
+        is_pressed = noise() > 0.6 ? !is_pressed : is_pressed; /* every 5 ms or so */
+        softsim_force force[SOFTSIM_MAX_PROBES];
+        softsim_pose pose = at_depth(0.0, -1);
+        const int32_t channel = 0;
+        pose.sender = 1;
+        pose.seq = k;
+        pose.buttons = is_pressed ? SOFTSIM_BUTTON_GRASP : 0;
+        ss_copy3(pose.position, x);
+        ss_set3(pose.velocity, NAN, NAN, NAN);
+        softsim_tick((softsim_world *)world, &pose, &channel, 1, force);
+        ss_world_settle(world);
+        ss_sub3(between, force[0].proxy, x);
+        apart = fmax(apart, ss_norm3(between));
+    }
+    destroy(world);
+    if (!(apart < 0.075)) {
+        fail_msg("the tool was %g m from the hand", apart);
+    }
+}
+
 /* ---- every model ---- */
 
 static ss_stress_case_result abuse(int32_t subject, ss_stress_case_kind kind, double value,
