@@ -97,15 +97,11 @@ static void judge(ss_loops *loops, softsim_server_status *status)
     }
 }
 
-void ss_loops_send_status(ss_loops *loops)
+/* All but the verdict. */
+static softsim_server_status describe(const ss_loops *loops)
 {
     ss_world *world = loops->world;
     const ss_scene *scene = world->scene;
-    if (loops->options->lockstep) {
-        ss_world_settle(world);
-        ss_loops_measure_rate(loops);
-    }
-    take_stats(loops);
     const ss_simulation_stats *simulation = &loops->simulation_stats;
     const ss_haptic_stats *haptic = &loops->haptic_stats;
     const ss_model_info *info = &simulation->info;
@@ -154,14 +150,31 @@ void ss_loops_send_status(ss_loops *loops)
     memcpy(status.loop_delay_ms, haptic->loop_delay_ms, sizeof status.loop_delay_ms);
     memcpy(status.stiffness_limit_n_per_m, haptic->stiffness_limit,
            sizeof status.stiffness_limit_n_per_m);
-    judge(loops, &status);
-    ss_net_send_status(loops->net, &status);
+    return status;
+}
+
+/* For stderr, by the main thread. */
+static void post_judgement(ss_loops *loops, const softsim_server_status *status)
+{
     ss_judgement *judgement = ss_mailbox_draft(loops->judgement);
-    judgement->verdict = (softsim_verdict)status.verdict;
-    snprintf(judgement->reason, sizeof judgement->reason, "%s", status.reason);
+    judgement->verdict = (softsim_verdict)status->verdict;
+    snprintf(judgement->reason, sizeof judgement->reason, "%s", status->reason);
     const ss_other_server *other = ss_net_other_server(loops->net);
     const bool has_other_server = ss_other_server_is_alive(other, ss_clock_now_ns());
     snprintf(judgement->other, sizeof judgement->other, "%.200s",
              has_other_server ? other->status.scene : "");
     ss_mailbox_post(loops->judgement);
+}
+
+void ss_loops_send_status(ss_loops *loops)
+{
+    if (loops->options->lockstep) {
+        ss_world_settle(loops->world);
+        ss_loops_measure_rate(loops);
+    }
+    take_stats(loops);
+    softsim_server_status status = describe(loops);
+    judge(loops, &status);
+    ss_net_send_status(loops->net, &status);
+    post_judgement(loops, &status);
 }

@@ -336,6 +336,45 @@ static void correct(const softsim_force *force, const double at[3], const double
     }
 }
 
+/* The device at tick n: its pose, the newest force that has arrived in effect, its row. */
+static void run_device(const setting *set, int n, device *d, softsim_pose *sent,
+                       const softsim_force *answer, outcome *out)
+{
+    softsim_pose *pose = &sent[n];
+    const int from = n - 2 * set->one_way - 1;
+    const softsim_force *force = from >= 0 && answer[from].seq > 0 ? &answer[from] : NULL;
+    *pose = (softsim_pose){.utime_us = 1000 * (int64_t)n,
+                           .sender = 1,
+                           .seq = n + 1,
+                           .force_seq = set->is_force_seq_known && force ? force->seq : -1,
+                           .flags = set->corrects ? SOFTSIM_POSE_CORRECTS : 0,
+                           .orientation = {1, 0, 0, 0},
+                           .velocity = {NAN, NAN, NAN},
+                           .applied_force = {NAN, NAN, NAN}};
+    for (int a = 0; a < 3; ++a) {
+        pose->position[a] = quantise(d->x[a]);
+    }
+    double applied[3] = {0};
+    if (force != NULL) {
+        memcpy(applied, force->force, sizeof applied);
+        if (set->corrects) {
+            correct(force, sent[force->pose_seq - 1].position, pose->position, applied);
+        }
+    }
+    if (set->corrects && n > 0) {
+        memcpy(pose->applied_force, out->row[n - 1].f, sizeof pose->applied_force);
+    }
+    ss_felt_row *row = &out->row[n];
+    row->time_s = (double)n * T;
+    memcpy(row->x, d->x, sizeof row->x);
+    memcpy(row->f, applied, sizeof row->f);
+    row->flags = force ? force->flags : 0;
+    row->age_us = force ? force->model_age_us : 0;
+    out->net_truth += device_step(d, applied);
+    out->peak_hand_speed =
+        fmax(out->peak_hand_speed, sqrt(d->v[0] * d->v[0] + d->v[1] * d->v[1] + d->v[2] * d->v[2]));
+}
+
 static outcome *run(const setting *set)
 {
     outcome *out = calloc(1, sizeof *out);
@@ -359,40 +398,7 @@ static outcome *run(const setting *set)
     ss_local_model result;
     bool has_result = false;
     for (int n = 0; n < set->ticks; ++n) {
-        /* The device: a pose, and the newest force that has arrived. */
-        softsim_pose *pose = &sent[n];
-        const int from = n - 2 * set->one_way - 1;
-        const softsim_force *force = from >= 0 && answer[from].seq > 0 ? &answer[from] : NULL;
-        *pose = (softsim_pose){.utime_us = 1000 * (int64_t)n,
-                               .sender = 1,
-                               .seq = n + 1,
-                               .force_seq = set->is_force_seq_known && force ? force->seq : -1,
-                               .flags = set->corrects ? SOFTSIM_POSE_CORRECTS : 0,
-                               .orientation = {1, 0, 0, 0},
-                               .velocity = {NAN, NAN, NAN},
-                               .applied_force = {NAN, NAN, NAN}};
-        for (int a = 0; a < 3; ++a) {
-            pose->position[a] = quantise(d.x[a]);
-        }
-        double applied[3] = {0};
-        if (force != NULL) {
-            memcpy(applied, force->force, sizeof applied);
-            if (set->corrects) {
-                correct(force, sent[force->pose_seq - 1].position, pose->position, applied);
-            }
-        }
-        if (set->corrects && n > 0) {
-            memcpy(pose->applied_force, out->row[n - 1].f, sizeof pose->applied_force);
-        }
-        ss_felt_row *row = &out->row[n];
-        row->time_s = (double)n * T;
-        memcpy(row->x, d.x, sizeof row->x);
-        memcpy(row->f, applied, sizeof row->f);
-        row->flags = force ? force->flags : 0;
-        row->age_us = force ? force->model_age_us : 0;
-        out->net_truth += device_step(&d, applied);
-        out->peak_hand_speed =
-            fmax(out->peak_hand_speed, sqrt(d.v[0] * d.v[0] + d.v[1] * d.v[1] + d.v[2] * d.v[2]));
+        run_device(set, n, &d, sent, answer, out);
         /* The server, one way later; its answers are indexed by the pose they answer. */
         const int arrived = n - set->one_way;
         simulate(&s, set, &o.target, n);
