@@ -43,6 +43,17 @@ static inline void add_test(int line, struct CMUnitTest test)
     static void name(__attribute__((unused)) void **state)
 #define TEST(name) TEST_WITH(name, NULL, NULL)
 
+/* Rows of tables: what is given, and a part of what is said to it. */
+typedef struct says_row {
+    const char *given, *says;
+} says_row;
+typedef struct call_row {
+    const char *program, *options;
+} call_row;
+typedef struct program_row {
+    const char *program, *options, *says;
+} program_row;
+
 /* The last statement of every main: `setup` and `teardown` around all of the file's tests. */
 static inline int run_all_tests(CMFixtureFunction setup, CMFixtureFunction teardown)
 {

@@ -525,9 +525,7 @@ TEST(groups_of_one_name_are_one_group)
 #define HEAD  "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
 #define NODES HEAD "$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n"
 
-static const struct {
-    const char *text, *says;
-} bad_texts[] = {
+static const says_row bad_texts[] = {
     {"", "no section of elements"},
     {"$", "has no end"},
     {"hello\n", "t.msh:1: a section"},
@@ -578,7 +576,7 @@ TEST(each_bad_msh_text_gives_one_clear_error)
         ss_mesh *m = NULL;
         softsim_error error = {0};
         const softsim_status status =
-            read_text(bad_texts[i].text, strlen(bad_texts[i].text), 1.0, &m, &error);
+            read_text(bad_texts[i].given, strlen(bad_texts[i].given), 1.0, &m, &error);
         if (status == SOFTSIM_OK || m != NULL || error.fault_count != 1 ||
             strstr(error.text, bad_texts[i].says) == NULL) {
             fail_msg("text %d: %d faults: %s", i, error.fault_count, error.text);

@@ -184,9 +184,7 @@ TEST(ascii_ply_and_gltf_are_read)
 /* A mesh from elsewhere must not read what is not beside it, nor wait for it. */
 TEST(gltf_reads_nothing_that_is_not_beside_it)
 {
-    static const struct {
-        const char *uri, *says;
-    } cases[] = {
+    static const says_row cases[] = {
         {"beside.bin", NULL},
         {"below/cube.bin", NULL},
         {"../cube.bin", "it names"},
@@ -206,13 +204,13 @@ TEST(gltf_reads_nothing_that_is_not_beside_it)
                          out, sizeof out),
                      0);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        const char *path = write_gltf("in/cube.gltf", cases[i].uri);
+        const char *path = write_gltf("in/cube.gltf", cases[i].given);
         softsim_error error = {0};
         ss_mesh *mesh = NULL;
         const softsim_status status = ss_mesh_load(path, 1e-3, importer, &mesh, &error);
         if ((status == SOFTSIM_OK) != (cases[i].says == NULL) ||
             (cases[i].says != NULL && strstr(error.text, cases[i].says) == NULL)) {
-            fail_msg("%s: %s", cases[i].uri, error.text);
+            fail_msg("%s: %s", cases[i].given, error.text);
         }
         ss_mesh_destroy(&mesh);
     }

@@ -141,9 +141,7 @@ TEST(a_nul_is_refused)
 TEST(strict_rows_are_whole_and_finite)
 {
     static const char *const name[] = {"a"};
-    static const struct {
-        const char *row, *fault;
-    } cases[] = {
+    static const says_row cases[] = {
         {"1,2", NULL},
         {"1,inf", ":2: column 2: 'inf' is not a finite number"},
         {"1,x", ":2: column 2: 'x' is not a finite number"},
@@ -156,13 +154,13 @@ TEST(strict_rows_are_whole_and_finite)
         softsim_error error = {.status = SOFTSIM_OK};
         ss_csv csv;
         double value = 0.0;
-        snprintf(text, sizeof text, "a,b\n%s\n", cases[i].row);
+        snprintf(text, sizeof text, "a,b\n%s\n", cases[i].given);
         assert_int_equal(ss_csv_open(&csv, write_text("strict.csv", text), name, 1, 1, &error),
                          SOFTSIM_OK);
         csv.is_strict = true;
-        assert_int_equal(ss_csv_next(&csv, &value, &error), cases[i].fault == NULL ? 1 : -1);
-        if (cases[i].fault != NULL && strstr(error.text, cases[i].fault) == NULL) {
-            fail_msg("'%s' is not in: %s", cases[i].fault, error.text);
+        assert_int_equal(ss_csv_next(&csv, &value, &error), cases[i].says == NULL ? 1 : -1);
+        if (cases[i].says != NULL && strstr(error.text, cases[i].says) == NULL) {
+            fail_msg("'%s' is not in: %s", cases[i].says, error.text);
         }
         ss_csv_close(&csv);
     }

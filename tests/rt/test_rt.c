@@ -444,9 +444,7 @@ TEST(errors_keep_every_line_and_the_first_status)
  */
 TEST(nothing_that_is_shown_drives_a_terminal)
 {
-    static const struct {
-        const char *text, *shown;
-    } cases[] = {
+    static const says_row cases[] = {
         {"", ""},
         {"Niere, 5 mm", "Niere, 5 mm"},
         {"a\tb", "a b"},
@@ -469,21 +467,21 @@ TEST(nothing_that_is_shown_drives_a_terminal)
     };
     for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
         char text[64];
-        snprintf(text, sizeof text, "%s", cases[c].text);
+        snprintf(text, sizeof text, "%s", cases[c].given);
         ss_plain_clean(text);
-        assert_string_equal(text, cases[c].shown);
+        assert_string_equal(text, cases[c].says);
         static softsim_error error;
         memset(&error, 0, sizeof error);
-        softsim_error_add(&error, SOFTSIM_ERROR_FILE, "<%s>", cases[c].text);
-        assert_int_equal(strncmp(error.text + 1, cases[c].shown, strlen(cases[c].shown)), 0);
-        assert_int_equal(strlen(error.text), strlen(cases[c].shown) + 2);
+        softsim_error_add(&error, SOFTSIM_ERROR_FILE, "<%s>", cases[c].given);
+        assert_int_equal(strncmp(error.text + 1, cases[c].says, strlen(cases[c].says)), 0);
+        assert_int_equal(strlen(error.text), strlen(cases[c].says) + 2);
         char *printed = NULL;
         size_t size = 0;
         FILE *out = open_memstream(&printed, &size);
-        ss_plain_print(out, "<%s>\n", cases[c].text);
+        ss_plain_print(out, "<%s>\n", cases[c].given);
         assert_int_equal(fclose(out), 0);
-        assert_int_equal(size, strlen(cases[c].shown) + 3);
-        assert_int_equal(strncmp(printed + 1, cases[c].shown, size - 3), 0);
+        assert_int_equal(size, strlen(cases[c].says) + 3);
+        assert_int_equal(strncmp(printed + 1, cases[c].says, size - 3), 0);
         assert_string_equal(printed + size - 2, ">\n");
         free(printed);
     }
@@ -656,21 +654,20 @@ TEST(random_numbers_are_those_of_splitmix64)
 
 TEST(texts_become_strings_of_json)
 {
-    static const struct {
-        const char *text, *json;
-    } cases[] = {{"", "\"\""},
-                 {"a \"b\" \\ c", "\"a \\\"b\\\" \\\\ c\""},
-                 {"\n\x1b\x7f", "\"\\u000a\\u001b\\u007f\""},
-                 {"\xc3\xa4\xe2\x82\xac", "\"\\u00e4\\u20ac\""}, /* U+E4 U+20AC */
-                 {"\xf0\x9f\x98\x80", "\"\\ud83d\\ude00\""},     /* U+1F600 */
-                 {"\xff\xc3", "\"\\u00ff\\u00c3\""}};            /* no UTF-8 */
+    static const says_row cases[] = {
+        {"", "\"\""},
+        {"a \"b\" \\ c", "\"a \\\"b\\\" \\\\ c\""},
+        {"\n\x1b\x7f", "\"\\u000a\\u001b\\u007f\""},
+        {"\xc3\xa4\xe2\x82\xac", "\"\\u00e4\\u20ac\""}, /* U+E4 U+20AC */
+        {"\xf0\x9f\x98\x80", "\"\\ud83d\\ude00\""},     /* U+1F600 */
+        {"\xff\xc3", "\"\\u00ff\\u00c3\""}};            /* no UTF-8 */
     for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
         char *out = NULL;
         size_t size = 0;
         FILE *file = open_memstream(&out, &size);
-        ss_plain_json(file, cases[c].text);
+        ss_plain_json(file, cases[c].given);
         assert_int_equal(fclose(file), 0);
-        assert_string_equal(out, cases[c].json);
+        assert_string_equal(out, cases[c].says);
         free(out);
     }
 }

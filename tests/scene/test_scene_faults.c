@@ -202,9 +202,7 @@ TEST(faults_of_data_files_name_the_file_and_line)
     assert_non_null(strstr(error.text, "grain_twice.csv:5: error: element 3 is given twice"));
     assert_null(load_with(replace_line(8, "  modulus_j: 5\n  grain: {file: rho.csv}"), NULL, 0));
     assert_non_null(strstr(error.text, "rho.csv:1: error: the first line is 'node,value'"));
-    static const struct {
-        const char *grid, *says;
-    } table[] = {
+    static const says_row table[] = {
         {"points.csv, rows: 3, columns: 3", "points.csv:8: error: the file ends after 6 points"},
         {"points.csv, rows: 2, columns: 2", "points.csv:7: error: more points than the grid has"},
         {"points_bad.csv, rows: 2, columns: 2", "points_bad.csv:3: error: not a point"},
@@ -214,7 +212,7 @@ TEST(faults_of_data_files_name_the_file_and_line)
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         char line[120];
-        snprintf(line, sizeof line, "  grid: {file: %s}", table[i].grid);
+        snprintf(line, sizeof line, "  grid: {file: %s}", table[i].given);
         assert_null(load_with(replace_line(3, line), NULL, 0));
         if (strstr(error.text, table[i].says) == NULL) {
             fail_msg("no '%s' in:\n%s", table[i].says, error.text);

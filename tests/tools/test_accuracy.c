@@ -223,9 +223,7 @@ TEST(a_dynamic_case_has_its_curves)
 
 TEST(hostile_statements_are_refused_with_their_place)
 {
-    static const struct {
-        const char *text, *says;
-    } bad[] = {
+    static const says_row bad[] = {
         {"", "empty"},
         {"- a\n", "mapping"},
         {GOOD_HEAD GOOD_PUSH GOOD_REST "colour: red\n", "case.yaml:7:1"},
@@ -280,7 +278,7 @@ TEST(hostile_statements_are_refused_with_their_place)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         ss_case c;
         softsim_error error = {.status = SOFTSIM_OK};
-        write_text("case.yaml", bad[i].text);
+        write_text("case.yaml", bad[i].given);
         assert_int_not_equal(ss_case_load(folder, &c, &error), SOFTSIM_OK);
         if (strstr(error.text, bad[i].says) == NULL) {
             fail_msg("case %d: no '%s' in: %s", (int)i, bad[i].says, error.text);

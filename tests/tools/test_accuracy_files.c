@@ -203,9 +203,7 @@ TEST(a_swing_is_judged_by_all_its_steps)
 /* A row that no picture can show as what it is stops the call before any run. */
 TEST(an_odd_row_of_another_program_is_refused)
 {
-    static const struct {
-        const char *row, *says;
-    } bad[] = {
+    static const says_row bad[] = {
         {"tiny,linear,theirs,m,4,1,a,0.1,0.1,0.1,5", "odd.csv:3: 11 cells, the head line has 17"},
         {"tiny,linear,theirs,m,4,1,a,-0.1,,,5,,,,,no,good", "odd.csv:3: error_l2"},
         {"tiny,linear,theirs,m,4,1,a,0.1,,-2,5,,,,,no,good", "odd.csv:3: error_force"},
@@ -232,7 +230,7 @@ TEST(an_odd_row_of_another_program_is_refused)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         int result = 0;
         snprintf(text, sizeof text, "%s\ntiny,linear,theirs,m,4,1,a,0.1,,,5,,,,,no,\n%s\n",
-                 ss_accuracy_head, bad[i].row);
+                 ss_accuracy_head, bad[i].given);
         const char *other = write_text("odd.csv", text);
         char *heard = run_heard((const char *const[]){"--case", tiny, "--model", "mass-spring",
                                                       "--compare", other, "--out", out, NULL},
@@ -241,7 +239,8 @@ TEST(an_odd_row_of_another_program_is_refused)
         if (result != 2 || strstr(heard, bad[i].says) == NULL ||
             strstr(heard, "odd.csv:3") != strstr(heard, "odd.csv:") ||
             strstr(heard, "nothing was run") == NULL) {
-            fail_msg("row '%s': status %d, no '%s' in: %s", bad[i].row, result, bad[i].says, heard);
+            fail_msg("row '%s': status %d, no '%s' in: %s", bad[i].given, result, bad[i].says,
+                     heard);
         }
         free(heard);
         assert_int_not_equal(access(out, F_OK), 0);

@@ -136,9 +136,7 @@ TEST(an_answer_at_a_bound_is_told)
 
 TEST(bad_curves_are_refused_with_their_line)
 {
-    static const struct {
-        const char *text, *fault;
-    } bad[] = {
+    static const says_row bad[] = {
         {"", "1: give the columns"},
         {"depth_m,force_n\n", "no points"},
         {"depth_m,force_n\n0.001,1\n", "one point only"},
@@ -155,9 +153,9 @@ TEST(bad_curves_are_refused_with_their_line)
     for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
         ss_curve curve;
         error = (softsim_error){0};
-        write_text("bad.csv", bad[k].text);
+        write_text("bad.csv", bad[k].given);
         assert_int_not_equal(ss_curve_read(in_folder("bad.csv"), &curve, &error), SOFTSIM_OK);
-        if (strstr(error.text, bad[k].fault) == NULL) {
+        if (strstr(error.text, bad[k].says) == NULL) {
             fail_msg("case %zu: '%s'", k, error.text);
         }
         assert_null(curve.at);

@@ -29,9 +29,7 @@ static const char two_tools[] = "softsim: 1\n"
 
 TEST(no_output_is_an_input_or_another_output)
 {
-    static const struct {
-        const char *program, *options, *says;
-    } bad[] = {
+    static const program_row bad[] = {
         {"softsim-run", "--poses poses.csv --csv poses.csv scene.yaml", "--csv: 'poses.csv'"},
         {"softsim-run", "--poses poses.csv --nodes ./poses.csv scene.yaml", "--nodes: './poses"},
         {"softsim-run", "--poses poses.csv --nodes scene.yaml scene.yaml", "is the scene,"},
@@ -126,9 +124,7 @@ TEST(a_picture_never_replaces_the_mesh)
 
 TEST(what_an_option_cannot_do_is_refused)
 {
-    static const struct {
-        const char *options, *says;
-    } bad[] = {
+    static const says_row bad[] = {
         {"latency --log felt.csv --out here", "--out: --log runs nothing"},
         {"latency --log felt.csv --seconds 5", "--seconds: --log runs nothing"},
         {"latency --log felt.csv --quick", "--quick: --log runs nothing"},
@@ -140,10 +136,10 @@ TEST(what_an_option_cannot_do_is_refused)
         skip();
     }
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
-        (void)snprintf(command, sizeof command, BIN_DIR "/softsim-bench %s", bad[i].options);
+        (void)snprintf(command, sizeof command, BIN_DIR "/softsim-bench %s", bad[i].given);
         assert_int_equal(run(command, out, sizeof out), 2);
         if (strstr(out, bad[i].says) == NULL || strchr(out, '\n') != strrchr(out, '\n')) {
-            fail_msg("%s: %s", bad[i].options, out);
+            fail_msg("%s: %s", bad[i].given, out);
         }
     }
 }
@@ -151,9 +147,7 @@ TEST(what_an_option_cannot_do_is_refused)
 /* What cannot be written is found out before anything is done. */
 TEST(an_output_that_cannot_be_opened_starts_nothing)
 {
-    static const struct {
-        const char *program, *options;
-    } bad[] = {
+    static const call_row bad[] = {
         {"softsim-run", "--duration 0.01 --csv none/x scene.yaml"},
         {"softsim-run", "--duration 0.01 --reactions none/x scene.yaml"},
         {"softsim-run", "--duration 0.01 --csv good.csv --nodes none/x scene.yaml"},
@@ -237,9 +231,7 @@ TEST(the_estimate_says_what_of_it_is_contact)
  * with warnings, 2 unusable. */
 TEST(what_a_model_doubts_is_told)
 {
-    static const struct {
-        const char *set, *doubt;
-    } cases[] = {
+    static const says_row cases[] = {
         {"model.density_kg_m3=1e-6", ": simulation.max_substeps: "},
         {"object.fixed=[]' --set 'gravity_m_s2=[0, 0, -9.81]", ": object.fixed: "},
         {"model.name=corotational' --set 'model.poisson_ratio=0.49", ": model.poisson_ratio: "},
@@ -253,16 +245,16 @@ TEST(what_a_model_doubts_is_told)
         run(BIN_DIR "/softsimd --check --set haptic.max_force_n=2 scene.yaml", out, sizeof out), 0);
     assert_non_null(strstr(out, "scene.yaml: good ("));
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        if (strstr(out, cases[k].doubt) != NULL) {
+        if (strstr(out, cases[k].says) != NULL) {
             fail_msg("told without cause: %s", out);
         }
     }
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
         (void)snprintf(command, sizeof command, BIN_DIR "/softsimd --check --set '%s' scene.yaml",
-                       cases[k].set);
-        if (run(command, out, sizeof out) != 1 || strstr(out, cases[k].doubt) == NULL ||
+                       cases[k].given);
+        if (run(command, out, sizeof out) != 1 || strstr(out, cases[k].says) == NULL ||
             strstr(out, ": good (") != NULL || strstr(out, ": usable, with ") == NULL) {
-            fail_msg("%s: %s", cases[k].set, out);
+            fail_msg("%s: %s", cases[k].given, out);
         }
     }
 }

@@ -60,9 +60,7 @@ TEST(devices_may_be_written_twice)
 /* A pipe without a writer would keep a program waiting without end. */
 TEST(a_pipe_is_refused_as_any_input)
 {
-    static const struct {
-        const char *program, *options;
-    } bad[] = {
+    static const call_row bad[] = {
         {"softsimd", "pipe"},
         {"softsimd", "piped.yaml"},
         {"softsimd", "data.yaml"},
@@ -140,9 +138,7 @@ TEST(the_importer_says_its_name_and_the_file)
 
 TEST(a_pipe_is_refused_as_any_output)
 {
-    static const struct {
-        const char *program, *options, *says;
-    } bad[] = {
+    static const program_row bad[] = {
         {"softsim-run", "--duration 0.01 --csv pipe scene.yaml", "--csv: 'pipe' is a pipe"},
         {"softsim-run", "--duration 0.01 --reactions pipe scene.yaml", "--reactions: 'pipe' is a"},
         {"softsim-run", "--duration 0.01 --nodes link scene.yaml", "--nodes: 'link' is a pipe"},
@@ -288,9 +284,7 @@ TEST(a_full_disk_leaves_the_rows_of_a_run)
 /* A result is written in pieces: the first that finds no room says why, whichever it is. */
 TEST(a_full_disk_is_named_by_each_result)
 {
-    static const struct {
-        const char *program, *options, *says;
-    } full[] = {
+    static const program_row full[] = {
         {"softsim-run", "--duration 0.002 --nodes full/nodes.csv large.yaml", "full/nodes.csv"},
         {"softsim-run", "--duration 0.002 --vtk full/vtk --every 1 large.yaml",
          "full/vtk/surface_"},
