@@ -2,12 +2,8 @@
 # A haptic device is one file and one row: a bridge that was built with tests/example_device beside its
 # own devices, nothing else changed, knows it and its option.
 #   test_example_device.sh SOURCE_DIR BIN_DIR      BIN_DIR: of a build with that folder
-set -euo pipefail
-source_dir=$1 bin=$2 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-fail() { echo "test_example_device: $1" >&2; exit 1; }
-lines=$(wc -l <"$source_dir/tests/example_device/circle.c")
-[ "$lines" -lt 80 ] || fail "the example has $lines lines; an example is shorter than 80"
+# shellcheck source=tests/common/example.sh
+source "$1/tests/common/example.sh" example_device/circle.c 80 "$@"
 help=$("$bin/softsim-bridge" --help)
 grep -q -- '--device .*circle' <<<"$help" || fail "softsim-bridge --help does not name it"
 grep -q -- '--radius-mm' <<<"$help" || fail "softsim-bridge --help does not know its option"

@@ -2,12 +2,8 @@
 # A model is one folder and one row: of a program that was built with tests/example_model beside its
 # own models, nothing else changed, that one appears where models do.
 #   test_example_model.sh SOURCE_DIR BIN_DIR      BIN_DIR: of a build with that folder
-set -euo pipefail
-source_dir=$1 bin=$2 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-fail() { echo "test_example_model: $1" >&2; exit 1; }
-lines=$(wc -l <"$source_dir/tests/example_model/elastic_foundation.c")
-[ "$lines" -lt 150 ] || fail "the example has $lines lines; an example is shorter than 150"
+# shellcheck source=tests/common/example.sh
+source "$1/tests/common/example.sh" example_model/elastic_foundation.c 150 "$@"
 "$bin/softsimd" --help | grep -q 'one of .*elastic-foundation' || fail "softsimd --help does not name it"
 scene=$work/foundation.yaml
 cat >"$scene" <<END

@@ -2,12 +2,8 @@
 # A reader of meshes is one file and one row: programs that were built with tests/example_reader beside
 # their own readers, nothing else changed, read that format.
 #   test_example_reader.sh SOURCE_DIR BIN_DIR      BIN_DIR: of a build with that folder
-set -euo pipefail
-source_dir=$1 bin=$2 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-fail() { echo "test_example_reader: $1" >&2; exit 1; }
-lines=$(wc -l <"$source_dir/tests/example_reader/off.c")
-[ "$lines" -lt 110 ] || fail "the example has $lines lines; an example is shorter than 110"
+# shellcheck source=tests/common/example.sh
+source "$1/tests/common/example.sh" example_reader/off.c 110 "$@"
 printf 'OFF\n4 4 0\n0 0 0\n10 0 0\n0 10 0\n0 0 10\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n' >"$work/tet.off"
 said=$("$bin/softsim-mesh" info "$work/tet.off" --units mm) || fail "softsim-mesh info: $said"
 grep -qE '^nodes +4$' <<<"$said" && grep -qE '^triangles +4$' <<<"$said" && grep -qE '^surface +closed$' <<<"$said" ||
