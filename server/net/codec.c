@@ -11,88 +11,69 @@
 #include "softsim_contact_force_t.h"
 #include "softsim_probe_pose_t.h"
 
-bool ss_wire_decode_pose(const void *data, int64_t size, softsim_pose *out_pose)
+/* The fields of a message: SCALAR(its name on the wire, ours), ARRAY(name). */
+#define POSE_LIST(SCALAR, ARRAY)                                                                   \
+    SCALAR(utime, utime_us)                                                                        \
+    SCALAR(sender, sender)                                                                         \
+    SCALAR(seq, seq)                                                                               \
+    SCALAR(probe, probe)                                                                           \
+    SCALAR(buttons, buttons)                                                                       \
+    SCALAR(force_seq, force_seq)                                                                   \
+    SCALAR(flags, flags)                                                                           \
+    ARRAY(position) ARRAY(orientation) ARRAY(velocity) ARRAY(applied_force)
+#define FORCE_LIST(SCALAR, ARRAY)                                                                  \
+    SCALAR(utime, utime_us)                                                                        \
+    SCALAR(sender, sender)                                                                         \
+    SCALAR(pose_utime, pose_utime_us)                                                              \
+    SCALAR(seq, seq)                                                                               \
+    SCALAR(probe, probe)                                                                           \
+    SCALAR(pose_seq, pose_seq)                                                                     \
+    SCALAR(contact_count, contact_count)                                                           \
+    SCALAR(model_age_us, model_age_us)                                                             \
+    SCALAR(flags, flags)                                                                           \
+    SCALAR(depth, depth)                                                                           \
+    SCALAR(stiffness, stiffness)                                                                   \
+    ARRAY(force) ARRAY(torque) ARRAY(model_force) ARRAY(point) ARRAY(normal) ARRAY(proxy)
+
+#define SCALAR_FROM_WIRE(theirs, ours) out->ours = wire.theirs;
+#define ARRAY_FROM_WIRE(name)          memcpy(out->name, wire.name, sizeof wire.name);
+#define SCALAR_TO_WIRE(theirs, ours)   wire.theirs = from->ours;
+#define ARRAY_TO_WIRE(name)            memcpy(wire.name, from->name, sizeof wire.name);
+
+bool ss_wire_decode_pose(const void *data, int64_t size, softsim_pose *out)
 {
     softsim_probe_pose_t wire;
     if (data == NULL || size != SS_WIRE_POSE_SIZE ||
         softsim_probe_pose_t_decode(data, 0, SS_WIRE_POSE_SIZE, &wire) != SS_WIRE_POSE_SIZE) {
         return false;
     }
-    *out_pose = (softsim_pose){.utime_us = wire.utime,
-                               .sender = wire.sender,
-                               .seq = wire.seq,
-                               .probe = wire.probe,
-                               .buttons = wire.buttons,
-                               .force_seq = wire.force_seq,
-                               .flags = wire.flags};
-    memcpy(out_pose->position, wire.position, sizeof wire.position);
-    memcpy(out_pose->orientation, wire.orientation, sizeof wire.orientation);
-    memcpy(out_pose->velocity, wire.velocity, sizeof wire.velocity);
-    memcpy(out_pose->applied_force, wire.applied_force, sizeof wire.applied_force);
+    *out = (softsim_pose){.seq = 0};
+    POSE_LIST(SCALAR_FROM_WIRE, ARRAY_FROM_WIRE)
     return true;
 }
 
-bool ss_wire_decode_force(const void *data, int64_t size, softsim_force *out_force)
+bool ss_wire_decode_force(const void *data, int64_t size, softsim_force *out)
 {
     softsim_contact_force_t wire;
     if (data == NULL || size != SS_WIRE_FORCE_SIZE ||
         softsim_contact_force_t_decode(data, 0, SS_WIRE_FORCE_SIZE, &wire) != SS_WIRE_FORCE_SIZE) {
         return false;
     }
-    *out_force = (softsim_force){.utime_us = wire.utime,
-                                 .sender = wire.sender,
-                                 .pose_utime_us = wire.pose_utime,
-                                 .seq = wire.seq,
-                                 .probe = wire.probe,
-                                 .pose_seq = wire.pose_seq,
-                                 .contact_count = wire.contact_count,
-                                 .model_age_us = wire.model_age_us,
-                                 .flags = wire.flags,
-                                 .depth = wire.depth,
-                                 .stiffness = wire.stiffness};
-    memcpy(out_force->force, wire.force, sizeof wire.force);
-    memcpy(out_force->torque, wire.torque, sizeof wire.torque);
-    memcpy(out_force->model_force, wire.model_force, sizeof wire.model_force);
-    memcpy(out_force->point, wire.point, sizeof wire.point);
-    memcpy(out_force->normal, wire.normal, sizeof wire.normal);
-    memcpy(out_force->proxy, wire.proxy, sizeof wire.proxy);
+    *out = (softsim_force){.seq = 0};
+    FORCE_LIST(SCALAR_FROM_WIRE, ARRAY_FROM_WIRE)
     return true;
 }
 
-void ss_wire_encode_pose(const softsim_pose *pose, uint8_t out[SS_WIRE_POSE_SIZE])
+void ss_wire_encode_pose(const softsim_pose *from, uint8_t out[SS_WIRE_POSE_SIZE])
 {
-    softsim_probe_pose_t wire = {.utime = pose->utime_us,
-                                 .sender = pose->sender,
-                                 .seq = pose->seq,
-                                 .probe = pose->probe,
-                                 .buttons = pose->buttons,
-                                 .force_seq = pose->force_seq,
-                                 .flags = pose->flags};
-    memcpy(wire.position, pose->position, sizeof wire.position);
-    memcpy(wire.orientation, pose->orientation, sizeof wire.orientation);
-    memcpy(wire.velocity, pose->velocity, sizeof wire.velocity);
-    memcpy(wire.applied_force, pose->applied_force, sizeof wire.applied_force);
+    softsim_probe_pose_t wire = {.utime = 0};
+    POSE_LIST(SCALAR_TO_WIRE, ARRAY_TO_WIRE)
     softsim_probe_pose_t_encode(out, 0, SS_WIRE_POSE_SIZE, &wire);
 }
 
-void ss_wire_encode_force(const softsim_force *force, uint8_t out[SS_WIRE_FORCE_SIZE])
+void ss_wire_encode_force(const softsim_force *from, uint8_t out[SS_WIRE_FORCE_SIZE])
 {
-    softsim_contact_force_t wire = {.utime = force->utime_us,
-                                    .sender = force->sender,
-                                    .pose_utime = force->pose_utime_us,
-                                    .seq = force->seq,
-                                    .probe = force->probe,
-                                    .pose_seq = force->pose_seq,
-                                    .contact_count = force->contact_count,
-                                    .model_age_us = force->model_age_us,
-                                    .flags = force->flags,
-                                    .depth = force->depth,
-                                    .stiffness = force->stiffness};
-    memcpy(wire.force, force->force, sizeof wire.force);
-    memcpy(wire.torque, force->torque, sizeof wire.torque);
-    memcpy(wire.model_force, force->model_force, sizeof wire.model_force);
-    memcpy(wire.point, force->point, sizeof wire.point);
-    memcpy(wire.normal, force->normal, sizeof wire.normal);
-    memcpy(wire.proxy, force->proxy, sizeof wire.proxy);
+    softsim_contact_force_t wire = {.utime = 0};
+    FORCE_LIST(SCALAR_TO_WIRE, ARRAY_TO_WIRE)
     softsim_contact_force_t_encode(out, 0, SS_WIRE_FORCE_SIZE, &wire);
 }

@@ -14,7 +14,7 @@
 enum { SS_WIRE_POSE_SIZE = 148, SS_WIRE_FORCE_SIZE = 216 };
 
 /* Thread: any; no allocation. */
-bool ss_wire_decode_pose(const void *data, int64_t size, softsim_pose *out_pose);
-bool ss_wire_decode_force(const void *data, int64_t size, softsim_force *out_force);
-void ss_wire_encode_pose(const softsim_pose *pose, uint8_t out[SS_WIRE_POSE_SIZE]);
-void ss_wire_encode_force(const softsim_force *force, uint8_t out[SS_WIRE_FORCE_SIZE]);
+bool ss_wire_decode_pose(const void *data, int64_t size, softsim_pose *out);
+bool ss_wire_decode_force(const void *data, int64_t size, softsim_force *out);
+void ss_wire_encode_pose(const softsim_pose *from, uint8_t out[SS_WIRE_POSE_SIZE]);
+void ss_wire_encode_force(const softsim_force *from, uint8_t out[SS_WIRE_FORCE_SIZE]);
