@@ -36,6 +36,18 @@ static inline int ss_order_ints(const int32_t *a, const int32_t *b, int count)
     return order;
 }
 
+/* Something by what it is sorted by, and where that is the same by its number. */
+typedef struct ss_keyed {
+    double key;
+    int32_t index;
+} ss_keyed;
+
+static inline int ss_compare_keyed(const void *left, const void *right)
+{
+    const ss_keyed *a = left, *b = right;
+    return ss_order_then(ss_order_double(a->key, b->key), ss_order_int(a->index, b->index));
+}
+
 /* Ascending numbers, as qsort takes its function. */
 static inline int ss_compare_doubles(const void *left, const void *right)
 {

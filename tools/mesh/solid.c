@@ -262,17 +262,6 @@ bool solid_smooth(solid *s, double edge, int sweeps, void (*project)(const void 
 
 static const double collapse_limit = 0.92718; /* cos 22 degrees */
 
-typedef struct deep_node {
-    double depth;
-    int32_t node;
-} deep_node;
-
-static int compare_depth(const void *left, const void *right)
-{
-    const deep_node *a = left, *b = right;
-    return ss_order_then(ss_order_double(a->depth, b->depth), ss_order_int(a->node, b->node));
-}
-
 /* The worst of the tetrahedra around i with j in its place; above `limit` when it cannot be. */
 static double collapse_badness(const solid *s, const star_table *t, int32_t i, int32_t j,
                                double longest, double limit)
@@ -339,19 +328,19 @@ static int32_t coarsen_once(solid *s, const double *depth, const bool *is_surfac
         return -1;
     }
     bool *is_touched = ss_memory_get((size_t)s->node_count, sizeof *is_touched);
-    deep_node *order = ss_memory_get((size_t)s->node_count, sizeof *order);
+    ss_keyed *order = ss_memory_get((size_t)s->node_count, sizeof *order);
     int32_t gone = is_touched != NULL && order != NULL ? 0 : -1;
     int32_t count = 0;
     for (int32_t i = 0; i < s->node_count && gone == 0; ++i) {
         if (!is_surface[i] && t.start[i + 1] > t.start[i]) {
-            order[count++] = (deep_node){depth[i], i};
+            order[count++] = (ss_keyed){depth[i], i};
         }
     }
     if (count > 0) {
-        qsort(order, (size_t)count, sizeof *order, compare_depth);
+        qsort(order, (size_t)count, sizeof *order, ss_compare_keyed);
     }
     for (int32_t k = 0; k < count && gone < most; ++k) {
-        gone += !is_touched[order[k].node] && collapse(s, &t, order[k].node, longest, is_touched);
+        gone += !is_touched[order[k].index] && collapse(s, &t, order[k].index, longest, is_touched);
     }
     int32_t kept = 0;
     for (int32_t e = 0; e < s->tetrahedron_count; ++e) {

@@ -147,17 +147,6 @@ void ss_zhang_solid_fini(ss_zhang_solid *solid)
     *solid = (ss_zhang_solid){.mesh = NULL};
 }
 
-typedef struct by_distance {
-    double distance;
-    int32_t node;
-} by_distance;
-
-static int compare(const void *a, const void *b)
-{
-    const by_distance *x = a, *y = b;
-    return ss_order_then(ss_order_double(x->distance, y->distance), ss_order_int(x->node, y->node));
-}
-
 /* The free surface node that is nearest to the ray's line among those in its direction. */
 static int32_t find_top(const ss_zhang_solid *solid, const double *area, const double from[3],
                         const double along[3])
@@ -182,7 +171,7 @@ softsim_status ss_zhang_solid_patch(ss_zhang_solid *solid, const double from[3],
                                     const double towards[3], int32_t count, softsim_error *error)
 {
     const ss_mesh *mesh = solid->mesh;
-    by_distance *order = calloc((size_t)mesh->node_count, sizeof *order);
+    ss_keyed *order = calloc((size_t)mesh->node_count, sizeof *order);
     double *area = calloc((size_t)mesh->node_count, sizeof *area);
     free(solid->pushed);
     solid->pushed_count = 0;
@@ -198,13 +187,13 @@ softsim_status ss_zhang_solid_patch(ss_zhang_solid *solid, const double from[3],
             if (area[i] > 0.0 && solid->fixed[i] == 0) {
                 double way[3];
                 ss_sub3(way, mesh->position[i], mesh->position[top]);
-                order[free_count++] = (by_distance){.distance = ss_norm3(way), .node = i};
+                order[free_count++] = (ss_keyed){.key = ss_norm3(way), .index = i};
             }
         }
-        qsort(order, (size_t)free_count, sizeof *order, compare);
+        qsort(order, (size_t)free_count, sizeof *order, ss_compare_keyed);
         solid->pushed_count = count < free_count ? count : free_count;
         for (int32_t k = 0; k < solid->pushed_count; ++k) {
-            solid->pushed[k] = order[k].node;
+            solid->pushed[k] = order[k].index;
         }
     }
     free(order);

@@ -34,36 +34,25 @@ static const struct organ {
 };
 enum { ORGAN_COUNT = sizeof organs / sizeof organs[0] };
 
-typedef struct by_x {
-    double x;
-    int32_t node;
-} by_x;
-
-static int compare_x(const void *a, const void *b)
-{
-    const by_x *x = a, *y = b;
-    return ss_order_then(ss_order_double(x->x, y->x), ss_order_int(x->node, y->node));
-}
-
 /* The fixed list, also as marks, and the node with the greatest x. */
 static bool choose_nodes(const ss_trial_body *body, char *fixed, size_t size, uint8_t *is_held,
                          int32_t *out_top)
 {
     const int32_t count = (int32_t)(fixed_share * body->node_count + 0.5);
-    by_x *order = calloc((size_t)body->node_count, sizeof *order);
+    ss_keyed *order = calloc((size_t)body->node_count, sizeof *order);
     if (order == NULL) {
         return false;
     }
     for (int32_t i = 0; i < body->node_count; ++i) {
-        order[i] = (by_x){.x = body->rest[i][0], .node = i};
+        order[i] = (ss_keyed){.key = body->rest[i][0], .index = i};
     }
-    qsort(order, (size_t)body->node_count, sizeof *order, compare_x);
-    *out_top = order[body->node_count - 1].node;
+    qsort(order, (size_t)body->node_count, sizeof *order, ss_compare_keyed);
+    *out_top = order[body->node_count - 1].index;
     size_t used = (size_t)snprintf(fixed, size, "[{nodes: [");
     for (int32_t k = 0; k < count; ++k) {
-        is_held[order[k].node] = 1;
+        is_held[order[k].index] = 1;
         used +=
-            (size_t)snprintf(fixed + used, size - used, "%s%d", k > 0 ? ", " : "", order[k].node);
+            (size_t)snprintf(fixed + used, size - used, "%s%d", k > 0 ? ", " : "", order[k].index);
     }
     snprintf(fixed + used, size - used, "]}]");
     free(order);
