@@ -73,6 +73,17 @@ typedef struct ss_mesh {
     int64_t skipped[SS_MESH_KIND_COUNT];
 } ss_mesh;
 
+/* A force on nodes without a tool: total force shared equally; one contact. */
+typedef struct ss_load {
+    int32_t *node;
+    int32_t node_count;
+    double force[3]; /* N */
+    double pressure; /* Pa; used when is_pressure */
+    bool is_pressure;
+    double from, to; /* s; to may be INFINITY */
+    double ramp;     /* s, from 0 to full */
+} ss_load;
+
 /* "hexahedra" and so on. */
 const char *ss_mesh_kind_name(ss_mesh_kind kind);
 

@@ -20,17 +20,6 @@
 #include "rt/real.h"
 #include "softsim/types.h"
 
-/* A force on nodes without a tool: total force shared equally; one contact. */
-typedef struct ss_load {
-    int32_t *node;
-    int32_t node_count;
-    double force[3]; /* N */
-    double pressure; /* Pa; used when is_pressure */
-    bool is_pressure;
-    double from, to; /* s; to may be INFINITY */
-    double ramp;     /* s, from 0 to full */
-} ss_load;
-
 /* A prescribed displacement from rest; reactions are reported per set. */
 typedef struct ss_prescribed {
     int32_t *node;

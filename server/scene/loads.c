@@ -53,11 +53,11 @@ static void take_load(ss_scene_loader *l, ss_scene_node *item)
     if (count < 0) {
         return;
     }
-    ss_scene_force load = {.from = ss_scene_get_number(item, "from_s", 0),
-                           .to = ss_scene_get_number(item, "to_s", INFINITY),
-                           .ramp = ss_scene_get_number(item, "ramp_s", 0),
-                           .pressure = ss_scene_get_number(item, "pressure_pa", 0),
-                           .is_pressure = ss_scene_node_find(item, "pressure_pa") != NULL};
+    ss_load load = {.from = ss_scene_get_number(item, "from_s", 0),
+                    .to = ss_scene_get_number(item, "to_s", INFINITY),
+                    .ramp = ss_scene_get_number(item, "ramp_s", 0),
+                    .pressure = ss_scene_get_number(item, "pressure_pa", 0),
+                    .is_pressure = ss_scene_node_find(item, "pressure_pa") != NULL};
     ss_scene_get_vector(ss_scene_node_find(item, "force_n"), load.force);
     if (load.to <= load.from) {
         ss_scene_node_fault(l->report, ss_scene_node_find(item, "to_s"),

@@ -28,13 +28,6 @@ typedef struct ss_scene_model {
     bool needs_volume;
 } ss_scene_model;
 
-typedef struct ss_scene_force {
-    int32_t *node;
-    int32_t node_count;
-    double force[3], pressure, from, to, ramp;
-    bool is_pressure;
-} ss_scene_force;
-
 /* One entry of `prescribed` gives several of these when its displacement_file leaves different
  * axes free at different nodes: they share `entry` and `name`. */
 typedef struct ss_scene_prescribed {
@@ -61,7 +54,7 @@ typedef struct ss_scene {
     ss_mesh *mesh;         /* loaded, transformed, accepted */
     uint8_t *fixed;        /* node_count: bit 0 x, 1 y, 2 z */
     ss_param_value *param; /* in the model's row order */
-    ss_scene_force *load;
+    ss_load *load;
     int32_t load_count;
     ss_scene_prescribed *prescribed;
     int32_t prescribed_count;

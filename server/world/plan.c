@@ -60,25 +60,12 @@ static int32_t choose_step_ticks(const ss_scene *scene, double period, double co
     return steps[sizeof steps / sizeof *steps - 1];
 }
 
-static softsim_status plan_loads(ss_world *world)
+static softsim_status plan_prescribed(ss_world *world)
 {
     const ss_scene *scene = world->scene;
-    world->load = ss_memory_get((size_t)scene->load_count, sizeof *world->load);
     world->prescribed = ss_memory_get((size_t)scene->prescribed_count, sizeof *world->prescribed);
-    if (!world->load || !world->prescribed) {
+    if (!world->prescribed) {
         return SOFTSIM_ERROR_MEMORY;
-    }
-    for (int32_t i = 0; i < scene->load_count; ++i) {
-        const ss_scene_force *from = &scene->load[i];
-        ss_load *to = &world->load[i];
-        *to = (ss_load){.node = from->node,
-                        .node_count = from->node_count,
-                        .pressure = from->pressure,
-                        .is_pressure = from->is_pressure,
-                        .from = from->from,
-                        .to = from->to,
-                        .ramp = from->ramp};
-        ss_copy3(to->force, from->force);
     }
     for (int32_t i = 0; i < scene->prescribed_count; ++i) {
         const ss_scene_prescribed *from = &scene->prescribed[i];
@@ -119,7 +106,7 @@ ss_model_plan ss_world_plan(const ss_world *world)
     ss_model_plan plan = {.mesh = scene->mesh,
                           .fixed = scene->fixed,
                           .param = scene->param,
-                          .load = world->load,
+                          .load = scene->load,
                           .load_count = scene->load_count,
                           .prescribed = world->prescribed,
                           .prescribed_count = scene->prescribed_count,
@@ -355,7 +342,7 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
     }
     int32_t class_count = 0;
     world->model_class = ss_model_table(&class_count)[world->scene->model_index];
-    status = plan_loads(world);
+    status = plan_prescribed(world);
     if (status == SOFTSIM_OK) {
         status = build_model(world, options->step_s, error);
     }
@@ -404,8 +391,8 @@ void ss_world_destroy(ss_world **world_pointer)
     ss_mailbox_destroy(&world->haptic_stats);
     ss_mailbox_destroy(&world->simulation_stats);
     ss_mailbox_destroy(&world->surface);
-    SS_EACH(ss_memory_free, world->lateness, world->step_time, world->set_value, world->load,
-            world->prescribed, world->node_of_file, world->file_triangle);
+    SS_EACH(ss_memory_free, world->lateness, world->step_time, world->set_value, world->prescribed,
+            world->node_of_file, world->file_triangle);
     ss_scene_destroy(&world->scene);
     ss_memory_free(world);
     *world_pointer = NULL;

@@ -129,7 +129,6 @@ typedef struct ss_world {
     double step_period;  /* s, h = m T */
     double step_cost_us; /* estimated */
     uint64_t plan_hash;
-    ss_load *load;
     ss_prescribed *prescribed;
     int32_t *node_of_file;       /* our number of each node of the file; NULL: the same */
     int32_t (*file_triangle)[3]; /* the surface in the file's numbers; NULL: the mesh's */

@@ -151,7 +151,7 @@ static softsim_status take_push(maker *m)
 
 static softsim_status take_pressure(maker *m)
 {
-    const ss_scene_force *load = m->scene->load;
+    const ss_load *load = m->scene->load;
     ss_case_body *b = &m->body[0];
     if (m->scene->load_count > 1 || !load->is_pressure) {
         return refuse(m, "a force on nodes has no limit as the mesh is refined; --scene takes one "
