@@ -202,9 +202,19 @@ static void a_rate_compared_with_itself_differs_in_nothing(void **state)
 {
     SKIP_WHERE_REPEATED();
     char arguments[4096], line[1024];
-    snprintf(arguments, sizeof arguments,
-             "--scene " SOURCE_DIR "/server/scenes/kidney.yaml --rates 1000 --quick --out %s",
-             in_folder("felt"));
+    snprintf(line, sizeof line,
+             BIN_DIR "/softsim-mesh generate block --size-mm 40,40,40 --points 300 --out %s >%s",
+             in_folder("block.obj"), in_folder("out"));
+    assert_int_equal(system(line), 0);
+    write_text("block.yaml", "softsim: 1\n"
+                             "object:\n  mesh: block.obj\n  units: mm\n"
+                             "  fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.0199]]}]\n"
+                             "model: {name: cnn-energy, modulus_j: 5, area_density_kg_m2: 11.5,\n"
+                             "  damping_n_s_per_m3: 1725, rest_stiffness_n_per_m3: 5.0e+4}\n"
+                             "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]\n");
+    snprintf(arguments, sizeof arguments, "--scene %s", in_folder("block.yaml"));
+    snprintf(arguments + strlen(arguments), sizeof arguments - strlen(arguments),
+             " --rates 1000 --quick --out %s", in_folder("felt"));
     assert_int_equal(run(arguments), 0);
     snprintf(line, sizeof line, "%s/felt.csv", in_folder("felt"));
     FILE *file = fopen(line, "r");
@@ -255,11 +265,11 @@ static void a_held_press_is_the_same_at_every_rate(void **state)
     static const struct {
         const char *name;
         double rate_hz, most;
-    } cases[] = {{"kidney", 30.0, 0.02},
+    } cases[] = {{"kidney", 120.0, 0.01},
                  {"kidney", 60.0, 0.01},
-                 {"kidney", 120.0, 0.01},
+                 {"kidney", 30.0, 0.02},
                  {"liver", 60.0, 0.01}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+    for (size_t k = 0; k < FULL_IN_RELEASE(sizeof cases / sizeof *cases, 1); ++k) {
         const ss_felt_errors e = compare_rates(cases[k].name, SS_FELT_PRESS, cases[k].rate_hz);
         assert_true(fabs(e.held) <= cases[k].most);
     }

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/effort.h"
 #include "softsim/softsim.h"
 
 static softsim_world *make_ventricle(const char *between_steps)
@@ -71,6 +72,7 @@ TEST(a_fast_press_is_felt_as_the_model_answers)
  * to be felt is what the force falls by, or more, but not several times it. */
 TEST(a_deep_press_is_felt_as_stiff_as_it_is)
 {
+    SKIP_WHERE_REPEATED();
     softsim_world *world = make_ventricle("haptic.max_force_n=100");
     double least = INFINITY, most = 0.0, before = 0.0;
     for (int32_t k = 0; k < 3600; ++k) {

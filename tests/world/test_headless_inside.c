@@ -267,7 +267,8 @@ static meeting meet(const fall *one, const char *contact, double sway)
 /* As much as by a tool that sways further than the path_slack, and so searches again. */
 TEST(tissue_that_comes_to_a_still_tool_is_felt)
 {
-    for (size_t k = 0; k < sizeof falls / sizeof *falls; k += FULL_IN_RELEASE(1, 2)) {
+    for (size_t k = 0; k < sizeof falls / sizeof *falls;
+         k += FULL_IN_RELEASE(1, sizeof falls / sizeof *falls)) {
         const meeting moving = meet(&falls[k], "", 0.0025), still = meet(&falls[k], "", 0.0);
         print_message("%s: %.3g N s on a moving tool, %.3g N s on a still one\n", falls[k].name,
                       moving.impulse, still.impulse);

@@ -118,20 +118,24 @@ static bool is_felt(const visit *v, const double outside[3])
     return is_good;
 }
 
-/* A ventricle that is pressed by more than its wall is thick, too: out the way that it came. */
+/* A ventricle that is pressed by more than its wall is thick, too: out the way that it came. Each
+ * body from one side, in a long run from all. */
 TEST(a_tool_that_moved_is_felt_as_one_that_was_pressed)
 {
-    static const int body_of[] = {0, 2, 4};
-    static const double depths[] = {0.012, 0.008}, sides[] = {0.0, 0.020, 0.005, 0.010, -0.010};
+    SKIP_WHERE_REPEATED();
+    enum { VISITED = 3, SIDES = 5 };
+    static const int body_of[VISITED] = {0, 2, 4};
+    static const double depths[] = {0.012, 0.008},
+                        sides[SIDES] = {0.0, 0.020, 0.005, 0.010, -0.010};
     const int depth_count = FULL_IN_LONG_RUN(2, 1);
-    const int side_count = FULL_IN_LONG_RUN(5, FULL_IN_RELEASE(2, 1));
+    const int side_count = FULL_IN_LONG_RUN(SIDES, 1);
     const int way_count = FULL_IN_LONG_RUN(ORDERS, 1);
-    const int body_count = FULL_IN_RELEASE(3, 1);
     bool is_good = true;
-    for (int n = 0; n < body_count * depth_count * side_count; ++n) {
-        visit v = {.b = &bodies[body_of[n % body_count]],
-                   .depth = depths[n / body_count % depth_count],
-                   .side = sides[n / body_count / depth_count]};
+    for (int n = 0; n < VISITED * depth_count * side_count; ++n) {
+        const int k = n % VISITED;
+        visit v = {.b = &bodies[body_of[k]],
+                   .depth = depths[n / VISITED % depth_count],
+                   .side = sides[(n / VISITED / depth_count + k) % SIDES]};
         double outside[3];
         press_from_outside(&v, outside);
         for (int why = 0; why < CAUSES; ++why) {
@@ -176,9 +180,10 @@ TEST(a_touch_just_after_the_first_pose_is_felt)
     };
     static const double heights[] = {0.006, 0.015}, speeds[] = {0.3, 0.6};
     bool is_good = true;
-    for (int n = 0; n < 3 * 4; ++n) {
+    for (int n = 0; n < 3 * FULL_IN_LONG_RUN(4, 2);
+         ++n) { /* each height and each speed of a body */
         const body *b = &touched[n % 3];
-        const double above = heights[n / 3 % 2], speed = speeds[n / 6];
+        const double above = heights[n / 3 % 2], speed = speeds[(n + n / 3 + n / 6) % 2];
         double at_once[APPROACH], later[APPROACH], most = 0.0, off = 0.0;
         approach(b, above, speed, 0, at_once);
         approach(b, above, speed, 400, later);
@@ -258,15 +263,25 @@ static escape pull_out(const char *scene, int stay)
 TEST(a_tool_that_is_pulled_out_is_let_go)
 {
     SKIP_WHERE_REPEATED();
-    static const char *const scenes[] = {
-        "kidney",     "ventricle",     "liver",         "liver-chainmail",   "cylinder",
-        "hm1-tissue", "hm1",           "ed0",           "ed0-tissue",        "hm2",
-        "hm2-tissue", "cylinder-grid", "kidney-nodule", "kidney-anisotropic"};
+    static const char *const scenes[] = {"kidney",
+                                         "ventricle",
+                                         "liver",
+                                         "liver-chainmail",
+                                         "cylinder",
+                                         "hm1-tissue",
+                                         "ed0",
+                                         "ed0-tissue",
+                                         "hm2",
+                                         "hm2-tissue",
+                                         "cylinder-grid",
+                                         "kidney-nodule",
+                                         "kidney-anisotropic",
+                                         "hm1"};
     static const int stays[] = {250, 100, 450, 520};
     const int stay_count = FULL_IN_LONG_RUN(4, 1);
     bool is_good = true;
     double most = 0.0;
-    for (int k = 0; k < 14; ++k) {
+    for (int k = 0; k < FULL_IN_LONG_RUN(14, 13); ++k) { /* the last is large, and hardly felt */
         for (int n = k; n < k + stay_count; ++n) {
             const escape one = pull_out(scenes[k], stays[n % 4]);
             const bool is_one = one.inward <= 0.0 && one.late == 0;
@@ -432,7 +447,7 @@ static void come_where_tissue_was(bool has_touched, bool is_reset, double *out_o
 TEST(a_tool_stands_where_tissue_was)
 {
     static const char *const before[] = {"not touched", "touched", "touched and reset"};
-    for (int k = 0; k < 3; ++k) {
+    for (int k = FULL_IN_RELEASE(0, 2); k < 3; ++k) {
         double off = 0.0;
         int32_t ramping = 0;
         come_where_tissue_was(k > 0, k == 2, &off, &ramping);

@@ -19,7 +19,7 @@ static uint64_t hash_after_press(int32_t threads, const char *const *set, int32_
 TEST(bits_do_not_depend_on_threads)
 {
     static const char *const rates[] = {"simulation.rate_hz=1000", "simulation.rate_hz=100"};
-    for (int i = 0; i < 2; ++i) {
+    for (int i = FULL_IN_RELEASE(0, 1); i < 2; ++i) {
         const uint64_t one = hash_after_press(1, &rates[i], 1);
         if (FULL_IN_RELEASE(true, false)) {
             assert_true(one == hash_after_press(1, &rates[i], 1));
