@@ -433,7 +433,7 @@ static double slew_step(const ss_haptic *haptic, int64_t tick)
     return ticks * haptic->config.max_slew * haptic->config.period;
 }
 
-/* dF/dx that the hand feels along the normal: coupling and tissue in series. */
+/* dF/dx along the normal within a result: coupling and law in series. */
 static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
 {
     double tissue[3][3];
@@ -610,8 +610,12 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     ss_copy3(force->proxy, haptic->p);
     write_surface(haptic, is_in_contact, is_engulfed, force);
     const int32_t hidden = SOFTSIM_FORCE_LIMITED | SOFTSIM_FORCE_RAMPING;
-    force->stiffness =
-        is_in_contact && (flags & hidden) == 0 ? felt_stiffness(haptic, force->normal) : 0.0;
+    double tissue[3][3];
+    /* Over the span in which a client corrects with it. */
+    ss_local_contact_tangent(&haptic->local, haptic->observer.delay_p50, tissue);
+    force->stiffness = is_in_contact && (flags & hidden) == 0
+                           ? ss_yield_felt(&haptic->yield, tissue, force->normal)
+                           : 0.0;
 }
 
 static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const double v[3])

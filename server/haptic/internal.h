@@ -63,8 +63,9 @@ typedef struct ss_local_contact_held {
     bool is_held;
     double force[3], position[3], velocity[3];
     double stiffness[3][3], viscosity[3][3];
-    double offset[3]; /* N, o */
-    double value[3];  /* N, F(p) of the last tick */
+    double tangent[3][3]; /* N/m, the model's: `stiffness` errs high */
+    double offset[3];     /* N, o */
+    double value[3];      /* N, F(p) of the last tick */
 } ss_local_contact_held;
 
 typedef struct ss_local_contact {
@@ -148,6 +149,10 @@ bool ss_local_contact_surface(const ss_local_contact *local, const double x[3],
                               double out_normal[3], double out_point[3], double *out_depth);
 /* Static stiffness tensor of the contacts (all, or those with force) and of a grasp. */
 void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active, double out[3][3]);
+/* Of what has force, over a span of `seconds`: the law's within a result, the model's own over
+ * many.
+ */
+void ss_local_contact_tangent(const ss_local_contact *local, double seconds, double out[3][3]);
 /* After a tick's values were set: `direction` of their force, 0 without any, and its `size`, N.
  * What updates left takes off no more than that: it draws no tool in. Without a contact it only
  * pushes out, along the last one, nor does it draw aside. */
@@ -189,6 +194,8 @@ typedef struct ss_yield {
 void ss_yield_clear(ss_yield *yield);
 /* Moves K_c towards `wanted`, in contact without a step of the force. */
 void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, double period);
+/* dF/dx along unit `n` that the hand feels of tissue with this tensor. */
+double ss_yield_felt(const ss_yield *yield, double tissue[3][3], const double n[3]);
 /* Where a balance left the proxy, the hand's point being at `hand`. */
 void ss_yield_take(ss_yield *yield, const double hand[3], const double proxy[3]);
 

@@ -280,6 +280,26 @@ void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active,
     }
 }
 
+void ss_local_contact_tangent(const ss_local_contact *local, double seconds, double out[3][3])
+{
+    /* Within a result the law errs high; the next one takes that back. */
+    const double within = local->count > 0 ? fmax(0.0, 1.0 - seconds / local->result_period) : 0.0;
+    memset(out, 0, 9 * sizeof(double));
+    for (int r = 0; r < 3 && local->held.is_held; ++r) {
+        for (int c = 0; c < 3; ++c) {
+            const double own = local->held.tangent[r][c];
+            out[r][c] = own + within * (local->held.stiffness[r][c] - own);
+        }
+    }
+    for (int32_t i = 0; i < local->count && !local->held.is_held; ++i) {
+        const ss_local_contact_point *c = &local->contact[i];
+        if (c->value > 0.0) {
+            const double high = c->stiffness - c->model_stiffness;
+            add_contact(out, c->direction, c->model_stiffness + within * high, 0.0);
+        }
+    }
+}
+
 bool ss_local_contact_surface(const ss_local_contact *local, const double x[3],
                               double out_normal[3], double out_point[3], double *out_depth)
 {
@@ -344,11 +364,13 @@ static void held_tensors(ss_local_contact *local, bool only_active)
 {
     memset(local->held.stiffness, 0, sizeof local->held.stiffness);
     memset(local->held.viscosity, 0, sizeof local->held.viscosity);
+    memset(local->held.tangent, 0, sizeof local->held.tangent);
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
         if (!only_active || c->value > 0.0) {
             add_contact(local->held.stiffness, c->normal, c->stiffness, c->tangential);
             add_contact(local->held.viscosity, c->normal, c->viscosity, 0.0);
+            add_contact(local->held.tangent, c->normal, c->model_stiffness, c->tangential);
         }
     }
 }

@@ -54,3 +54,17 @@ void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, double 
         ss_madd3(yield->rest, yield->rest, 1.0 - before / yield->spring, yield->stretch);
     }
 }
+
+/* Spring and tissue A in series: K_c A (K_c + A)^-1 = K_c - K_c^2 (K_c + A)^-1. As K_c k/(K_c + k),
+ * k = n.A n, it would be too stiff where several contacts lean. */
+double ss_yield_felt(const ss_yield *yield, double tissue[3][3], const double n[3])
+{
+    double both[3][3], yielded[3];
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+            both[r][c] = tissue[r][c] + (r == c ? yield->spring : 0.0);
+        }
+    }
+    ss_coupling_solve(both, n, yielded);
+    return fmax(0.0, yield->spring * (1.0 - yield->spring * ss_dot3(n, yielded)));
+}

@@ -93,9 +93,59 @@ static void limit_holds_from_the_first_tick(void **state)
     }
 }
 
+/* Held at depth `z`, and `moved` from there along the normal that is told: the force, and what is
+ * told of its stiffness. */
+static void held_force(const layers *tissue, double limit, double z, const double moved[3],
+                       double *out_stiffness, double out_force[3], double out_normal[3])
+{
+    ss_haptic_config config = default_config();
+    config.stiffness = limit;
+    config.max_force = 100.0;
+    rig r;
+    rig_start(&r, &config);
+    for (int n = 0; n < 700; ++n) {
+        if (n > 0) {
+            layers_result(&r, tissue);
+        }
+        const double share = n < 450 ? 0.0 : 1.0;
+        const double down = fmin(1.0, n / 200.0);
+        ss_set3(r.pose.position, share * moved[0], share * moved[1], 0.0);
+        (void)rig_tick(&r, 1e-3 - (1e-3 - z) * down + share * moved[2]);
+    }
+    *out_stiffness = r.out.force.stiffness;
+    ss_copy3(out_force, r.out.force.force);
+    ss_copy3(out_normal, r.out.force.normal);
+    rig_end(&r);
+}
+
+/* What the wire says, against the difference of two forces 20 um apart: within 5 %. */
+static void wire_says_what_is_felt(void **state)
+{
+    (void)state;
+    static const layers tissue[] = {{1, 0.0, 100.0, 6000.0, 0.0},   {1, 0.0, 250.0, 250.0, 0.0},
+                                    {1, 0.0, 4000.0, 4000.0, 0.0},  {2, 1e-3, 300.0, 300.0, 0.0},
+                                    {2, 0.1e-3, 900.0, 900.0, 0.6}, {4, 0.5e-3, 100.0, 900.0, 0.6}};
+    static const double limit[] = {400.0, 660.0};
+    const double step = 20e-6, still[3] = {0.0, 0.0, 0.0};
+    for (size_t k = 0; k < sizeof tissue / sizeof *tissue; ++k) {
+        for (int m = 0; m < 2; ++m) {
+            double told, again, from[3], to[3], normal[3], other[3], moved[3], change[3];
+            held_force(&tissue[k], limit[m], -5e-3, still, &told, from, normal);
+            ss_scale3(moved, normal, -step);
+            held_force(&tissue[k], limit[m], -5e-3, moved, &again, to, other);
+            ss_sub3(change, to, from);
+            const double felt = ss_dot3(change, normal) / step;
+            print_message("%d layers, %g to %g N/m, limit %g: told %.1f, felt %.1f N/m\n",
+                          tissue[k].count, tissue[k].soft, tissue[k].hard, limit[m], told, felt);
+            assert_true(fabs(told / felt - 1.0) < 0.05);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(wire_says_what_is_felt),
         cmocka_unit_test(limit_holds_from_the_first_tick),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
