@@ -484,11 +484,13 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
 /* Damps what would hand energy to the hand. */
 static void damp(ss_haptic *haptic, const double v[3], double force[3])
 {
-    const ss_passivity_tick now = {.period = haptic->config.period,
-                                   .velocity = {v[0], v[1], v[2]},
-                                   .stiffness = haptic->output.force.stiffness,
-                                   .corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0,
-                                   .is_grasping = haptic->local.held.is_held};
+    ss_passivity_tick now = {.period = haptic->config.period,
+                             .velocity = {v[0], v[1], v[2]},
+                             .stiffness = haptic->output.force.stiffness,
+                             .corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0,
+                             .is_grasping = haptic->local.held.is_held};
+    ss_sub3(now.acceleration, haptic->v, haptic->mean_v);
+    ss_scale3(now.acceleration, now.acceleration, TWO_PI * ACCELERATION_CORNER);
     ss_passivity_damp(&haptic->passivity, &haptic->observer, &now, force);
 }
 

@@ -271,7 +271,8 @@ void ss_observer_tick(ss_observer *observer, const ss_haptic_config *config, boo
 typedef struct ss_passivity_tick {
     double period;      /* s */
     double velocity[3]; /* m/s, of the hand */
-    double stiffness;   /* N/m, felt; 0: none */
+    double acceleration[3];
+    double stiffness; /* N/m, felt; 0: none */
     bool corrects, is_grasping;
 } ss_passivity_tick;
 

@@ -137,11 +137,14 @@ double ss_observer_foresee(const ss_observer *observer, const ss_passivity_tick 
         const ss_past_force *record =
             find_force(observer, observer->last_seq - (now->corrects ? 0 : ticks - 1 - k));
         if (record != NULL) {
-            double force[3];
-            const double stiffness = now->corrects ? now->stiffness : 0.0;
-            ss_madd3(force, record->force, -stiffness * k * now->period, now->velocity);
+            const double time = k * now->period;
+            double force[3], way[3], velocity[3];
+            ss_scale3(way, now->velocity, time);
+            ss_madd3(way, way, 0.5 * time * time, now->acceleration);
+            ss_madd3(velocity, now->velocity, time, now->acceleration);
+            ss_madd3(force, record->force, now->corrects ? -now->stiffness : 0.0, way);
             const bool is_pulling = !now->is_grasping && ss_dot3(force, record->force) < 0.0;
-            energy -= is_pulling ? 0.0 : ss_dot3(force, now->velocity) * now->period;
+            energy -= is_pulling ? 0.0 : ss_dot3(force, velocity) * now->period;
         }
     }
     return energy;
