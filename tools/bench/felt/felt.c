@@ -21,6 +21,7 @@
 #include "bench/core/child.h"
 #include "bench/core/report.h"
 #include "bench/core/sweep.h"
+#include "bench/felt/hands.h"
 #include "bench/felt/play.h"
 #include "process.h"
 #include "rt/args.h"
@@ -42,7 +43,7 @@ typedef struct report {
     const char *out;
     ss_arg_list scene_list, set;
     const char *rates, *delays;
-    bool is_quick;
+    bool is_quick, is_hands;
     int64_t jobs;
     char scene[MAX_SCENES][PATH_SIZE];
     int32_t scene_count;
@@ -486,8 +487,7 @@ static bool add_folder(void *context, const char *folder)
 /* The bundled ones: of the source tree here or above the program, or as installed beside it. */
 static const char *const bundled[] = {"server/scenes", "share/softsim/scenes", NULL};
 
-/* Numbers with commas between them; -1 when one is none, or out of range. */
-static int32_t parse_numbers(const char *text, double low, double high, int32_t most, double *out)
+int32_t ss_felt_numbers(const char *text, double low, double high, int32_t most, double *out)
 {
     int32_t count = 0;
     while (count < most) {
@@ -524,6 +524,8 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
          "two rates, and not the run at 10,000 Hz"},
         {"--jobs", SS_ARG_INTEGER, &r->jobs, 1, SS_SWEEP_MAX_JOBS, "N", "runs at a time (1)"},
         {"--out", SS_ARG_STRING, &r->out, 0, 0, "DIR", "for the report (felt-report)"},
+        {"--hands", SS_ARG_FLAG, &r->is_hands, 0, 0, NULL,
+         "simulated hands in closed loop in place of given paths; more: --hands --help"},
     };
     const ss_args_result result = ss_args_parse(
         argc, argv, "[options]",
@@ -540,8 +542,8 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
     }
     r->rates = r->rates ? r->rates : r->is_quick ? "60,300" : "30,60,120,300,500";
     double delay[MAX_DELAYS];
-    r->rate_count = parse_numbers(r->rates, 10.0, reference_hz, MAX_RATES, r->rate_hz);
-    r->delay_count = parse_numbers(r->delays, 0.0, 20.0, MAX_DELAYS, delay);
+    r->rate_count = ss_felt_numbers(r->rates, 10.0, reference_hz, MAX_RATES, r->rate_hz);
+    r->delay_count = ss_felt_numbers(r->delays, 0.0, 20.0, MAX_DELAYS, delay);
     if (r->rate_count < 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--rates: '%s' is not up to %d numbers from 10 to 1000 with commas "
@@ -612,6 +614,11 @@ static softsim_status sweep_and_report(report *r, int32_t *out_lost, softsim_err
 
 static int run_report(int argc, char **argv)
 {
+    for (int k = 1; k < argc; ++k) {
+        if (strcmp(argv[k], "--hands") == 0) {
+            return ss_felt_hands(argc, argv);
+        }
+    }
     report *r = calloc(1, sizeof *r);
     softsim_error error = {.status = SOFTSIM_OK};
     int exit_code = EXIT_FAILURE;
