@@ -384,7 +384,7 @@ static void let_go(ss_haptic *haptic, const double x[3], const double v[3])
         }
         aside[i] = haptic->p[i] - x[i] - load / haptic->yield.spring;
     }
-    ss_slip_let_go(&haptic->slip, aside);
+    ss_slip_let_go(&haptic->slip, aside, haptic->config.period);
     ss_yield_clear(&haptic->yield);
 }
 

@@ -33,10 +33,10 @@ enum {
      * 12 (1 + 2 x 24) in all; the same sets took at most 53. At the bound the force is
      * cut to the limit where it is above. */
     SS_LIMIT_TRIES = 24,
+    /* Ticks at any rate, in lockstep too, where a tick is a pose. */
     SS_WATCHDOG_TICKS = 50, /* without a good pose */
     SS_RAMP_TICKS = 20,     /* to zero force */
     SS_ENTRY_TICKS = 500,   /* the depth fades in */
-    SS_STAY_TICKS = 25,     /* of the proxy after a grasp: models let go in 20 ms */
 };
 
 /* ---- local_contact.c ---- */
@@ -220,7 +220,7 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
 /* Has a grasp that was let go left the proxy too far from the hand to come back? */
 bool ss_slip_is_lost(const ss_slip *slip);
 /* A grasp was let go with the coupling's force-free point `aside` of the hand. */
-void ss_slip_let_go(ss_slip *slip, const double aside[3]);
+void ss_slip_let_go(ss_slip *slip, const double aside[3], double period);
 /* What a balance with a coupling of `spring` leaves; `force` is the local contact model's. */
 void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
                   const double force[3], double spring, double period);

@@ -14,6 +14,9 @@
 #include "haptic/internal.h"
 #include "rt/vec.h"
 
+/* s: in which a proxy that a grasp left stays: models fade the grasp out in 20 ms of their time,
+ * whatever the rate of ticks. */
+#define STAY_TIME 0.025
 /* s: in which a proxy beside the hand comes over it. */
 #define ASIDE_TIME 0.1
 /* m: so far beside, it does not come over: the force goes down, and the tool begins anew where the
@@ -59,11 +62,11 @@ bool ss_slip_is_lost(const ss_slip *slip)
     return slip->has_let_go && ss_norm3(slip->aside) > LOST;
 }
 
-void ss_slip_let_go(ss_slip *slip, const double aside[3])
+void ss_slip_let_go(ss_slip *slip, const double aside[3], double period)
 {
     ss_copy3(slip->aside, aside);
     slip->has_let_go = true;
-    slip->stay = SS_STAY_TICKS;
+    slip->stay = (int32_t)ceil(STAY_TIME / period - 1e-9);
 }
 
 void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
