@@ -258,9 +258,7 @@ static bool indices_are_good(const ss_mesh *mesh, const int32_t *node, int count
  * tan a = |u x v| / u . v. */
 static double measure_corner(const ss_mesh *mesh, const int32_t *node, double *inout_angle)
 {
-    double u[3];
-    double v[3];
-    double uv[3];
+    double u[3], v[3], uv[3];
     ss_sub3(u, mesh->position[node[1]], mesh->position[node[0]]);
     ss_sub3(v, mesh->position[node[2]], mesh->position[node[0]]);
     ss_cross3(uv, u, v);
@@ -305,8 +303,7 @@ static void check_quads(const ss_mesh *mesh, ss_mesh_report *report)
             continue;
         }
         double unused = 180.0;
-        double area[4];
-        double vector[4][3];
+        double area[4], vector[4][3];
         bool is_flat = !ss_mesh_has_good_nodes(mesh, node, 4); /* a corner twice */
         for (int c = 0; c < 4; ++c) {
             const int32_t corner[3] = {node[c], node[(c + 1) % 4], node[(c + 3) % 4]};

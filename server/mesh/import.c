@@ -113,8 +113,7 @@ static const char *dash_guard(const char *path)
  * an errno value. */
 static int start_program(const char *program, const char *path, pid_t *out_pid, int out_fd[2])
 {
-    int output[2];
-    int errors[2];
+    int output[2], errors[2];
     if (pipe2(output, O_CLOEXEC) != 0) {
         return errno;
     }

@@ -185,8 +185,7 @@ static void sum_shares(const ss_mesh *mesh, double *out_area, double (*out_vecto
     const int32_t count = mesh->quad_count > 0 ? mesh->quad_count : mesh->triangle_count;
     for (int32_t e = 0; e < count; ++e) {
         const int32_t *node = mesh->quad_count > 0 ? mesh->quad[e] : mesh->triangle[e];
-        double area[4];
-        double vector[4][3];
+        double area[4], vector[4][3];
         const int corners = share(mesh, node, area, vector);
         for (int k = 0; k < corners; ++k) {
             if (out_area != NULL) {

@@ -311,11 +311,8 @@ static bool read_element(ss_msh *r, int64_t index, int64_t type, const ss_msh_en
     bool is_good = ss_text_next_line(r->text, &line) && ss_span_next_int64(&line, &tag);
     for (int k = 0; k < corners && is_good; ++k) {
         is_good = ss_span_next_int64(&line, &tag);
-        node[k] = is_good ? ss_draft_find_node(r->draft, tag) : -1;
+        node[k] = is_good ? ss_msh_find_node(r, index, tag) : -1;
         if (is_good && node[k] < 0) {
-            ss_text_fault(r->text,
-                          "element %lld: there is no node number %lld: correct it or add the node",
-                          (long long)index, (long long)tag);
             return r->text->fault_count < SS_TEXT_MAX_FAULTS;
         }
     }

@@ -39,6 +39,17 @@ const char *ss_msh_type_name(int64_t type)
     return type > 0 && type < TYPE_COUNT ? types[type].name : "no triangle or tetrahedron";
 }
 
+int32_t ss_msh_find_node(const ss_msh *r, int64_t index, int64_t number)
+{
+    const int32_t node = ss_draft_find_node(r->draft, number);
+    if (node < 0) {
+        ss_text_fault(r->text,
+                      "element %lld: there is no node number %lld: correct it or add the node",
+                      (long long)index, (long long)number);
+    }
+    return node;
+}
+
 void ss_msh_note_other(ss_msh *r, int64_t index, int64_t type)
 {
     if (r->other[0] == '\0') {

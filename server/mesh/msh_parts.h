@@ -35,6 +35,8 @@ typedef struct ss_msh {
 /* The kind of an element of Gmsh's type number, and its name. */
 ss_mesh_kind ss_msh_kind(int64_t type);
 const char *ss_msh_type_name(int64_t type);
+/* The node of a number that element `index` has; -1 is a fault. */
+int32_t ss_msh_find_node(const ss_msh *r, int64_t index, int64_t number);
 /* Keeps the first type that is not read, for the error when nothing else is there. */
 void ss_msh_note_other(ss_msh *r, int64_t index, int64_t type);
 /* The draft's group of a physical number, made when it is not there yet; -1 is a fault. */

@@ -42,8 +42,7 @@ static bool measure_tetrahedron(const ss_mesh *mesh, const int32_t *node, shape 
         /* Corners so that the normals point the same way, all outward or all inward. */
         const int first = f % 2 == 0 ? (f + 1) % 4 : (f + 2) % 4;
         const int second = f % 2 == 0 ? (f + 2) % 4 : (f + 1) % 4;
-        double u[3];
-        double v[3];
+        double u[3], v[3];
         ss_sub3(u, mesh->position[node[second]], mesh->position[node[first]]);
         ss_sub3(v, mesh->position[node[(f + 3) % 4]], mesh->position[node[first]]);
         ss_cross3(normal[f], u, v);
@@ -78,9 +77,7 @@ static bool measure_face(const ss_mesh *mesh, const int32_t *node, int corners, 
 {
     *out = (shape){.least = 180.0};
     for (int c = 0; c < corners; ++c) {
-        double u[3];
-        double v[3];
-        double across[3];
+        double u[3], v[3], across[3];
         const double *x = mesh->position[node[c]];
         ss_sub3(u, mesh->position[node[(c + 1) % corners]], x);
         ss_sub3(v, mesh->position[node[(c + corners - 1) % corners]], x);

@@ -126,8 +126,7 @@ static bool are_in_one_plane(const corners *a, const corners *b)
 
 static bool overlap_in_plane(const corners *a, const corners *b)
 {
-    double normal[3];
-    double above[3];
+    double normal[3], above[3];
     ss_normal3(normal, a->x[0], a->x[1], a->x[2]);
     const double size = ss_normalize3(normal);
     if (!(size > 0.0)) {

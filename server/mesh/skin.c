@@ -125,11 +125,7 @@ static double meet(const ss_mesh *mesh, int32_t t, const double origin[3],
                    const double direction[3])
 {
     const int32_t *node = mesh->triangle[t];
-    double e1[3];
-    double e2[3];
-    double p[3];
-    double s[3];
-    double q[3];
+    double e1[3], e2[3], p[3], s[3], q[3];
     ss_sub3(e1, mesh->position[node[1]], mesh->position[node[0]]);
     ss_sub3(e2, mesh->position[node[2]], mesh->position[node[0]]);
     ss_sub3(s, origin, mesh->position[node[0]]);
@@ -403,8 +399,7 @@ static softsim_status grow_outward(builder *b, double thickness, softsim_error *
             node[k] = skin[node[k]];
         }
         add_triangle(b, node[0], node[1], node[2]);
-        double before[3];
-        double after[3];
+        double before[3], after[3];
         area_vector((const double(*)[3])core->position, core->triangle[t], before);
         area_vector((const double(*)[3])b->position, node, after);
         if (!(ss_dot3(before, after) > 0.1 * ss_dot3(before, before))) {
@@ -421,9 +416,7 @@ static softsim_status grow_outward(builder *b, double thickness, softsim_error *
 static double triangle_distance2(const double x[3], const double a[3], const double b[3],
                                  const double c[3])
 {
-    double ab[3];
-    double ac[3];
-    double ax[3];
+    double ab[3], ac[3], ax[3];
     ss_sub3(ab, b, a);
     ss_sub3(ac, c, a);
     ss_sub3(ax, x, a);
@@ -445,8 +438,7 @@ static double triangle_distance2(const double x[3], const double a[3], const dou
     double best = INFINITY;
     const double *corner[4] = {a, b, c, a};
     for (int k = 0; k < 3; ++k) {
-        double edge[3];
-        double to[3];
+        double edge[3], to[3];
         ss_sub3(edge, corner[k + 1], corner[k]);
         ss_sub3(to, x, corner[k]);
         s = fmin(1.0, fmax(0.0, ss_dot3(to, edge) / ss_dot3(edge, edge)));

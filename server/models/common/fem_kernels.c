@@ -96,6 +96,14 @@ SS_INLINE void force_of(ss_tissue_kind kind, bool is_viscous, ss_fem_pass *pass)
     pass->strain = largest > pass->strain ? largest : pass->strain;
 }
 
+/* A kernel for each law. */
+#define EACH_LAW(CASE)                                                                             \
+    CASE(SS_TISSUE_STVK_GUARDED);                                                                  \
+    CASE(SS_TISSUE_STVK);                                                                          \
+    CASE(SS_TISSUE_NEO_HOOKEAN);                                                                   \
+    CASE(SS_TISSUE_STABLE_NEO_HOOKEAN);                                                            \
+    CASE(SS_TISSUE_LINEAR);
+
 static void force(ss_fem_pass *pass)
 {
     const bool is_viscous = pass->v && pass->blocks->viscosity;
@@ -108,11 +116,7 @@ static void force(ss_fem_pass *pass)
             force_of(kind, false, pass);                                                           \
         }                                                                                          \
         break
-        CASE(SS_TISSUE_STVK_GUARDED);
-        CASE(SS_TISSUE_STVK);
-        CASE(SS_TISSUE_NEO_HOOKEAN);
-        CASE(SS_TISSUE_STABLE_NEO_HOOKEAN);
-        CASE(SS_TISSUE_LINEAR);
+        EACH_LAW(CASE)
 #undef CASE
     case SS_TISSUE_KIND_COUNT:
         break;
@@ -201,11 +205,7 @@ static void tangent(ss_fem_pass *pass)
     case kind:                                                                                     \
         tangent_of(kind, pass);                                                                    \
         break
-        CASE(SS_TISSUE_STVK_GUARDED);
-        CASE(SS_TISSUE_STVK);
-        CASE(SS_TISSUE_NEO_HOOKEAN);
-        CASE(SS_TISSUE_STABLE_NEO_HOOKEAN);
-        CASE(SS_TISSUE_LINEAR);
+        EACH_LAW(CASE)
 #undef CASE
     case SS_TISSUE_KIND_COUNT:
         break;

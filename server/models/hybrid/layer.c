@@ -418,8 +418,7 @@ static bool join_neighbours(builder *b)
 static double barycentric(const ss_mesh *mesh, int32_t e, const double x[3], double out[4])
 {
     const int32_t *node = mesh->tetrahedron[e];
-    double d[4][3];
-    double row[3][3];
+    double d[4][3], row[3][3];
     for (int a = 0; a < 3; ++a) {
         ss_sub3(d[a], mesh->position[node[a + 1]], mesh->position[node[0]]);
     }
@@ -471,8 +470,7 @@ static void tie_inside(const builder *b, int32_t host, const double x[3], tie_ro
 static int32_t tie_outside(const builder *b, const double at[3], tie_row *out)
 {
     int32_t core[SS_LAYER_TIE];
-    double square[SS_LAYER_TIE];
-    double x[SS_LAYER_TIE][3];
+    double square[SS_LAYER_TIE], x[SS_LAYER_TIE][3];
     out->count = ss_point_grid_nearest(&b->core_grid, at, SS_LAYER_TIE, INFINITY, core, square);
     for (int32_t k = 0; k < out->count; ++k) {
         ss_copy3(x[k], b->core_x[core[k]]);
@@ -541,8 +539,7 @@ enum { SKIN_MOST = 4 * SS_LAYER_SKIN };
 static int32_t fit_skin(const builder *b, int32_t node, int32_t out_particle[SKIN_MOST],
                         double out_weight[SKIN_MOST])
 {
-    double square[SKIN_MOST];
-    double x[SKIN_MOST][3];
+    double square[SKIN_MOST], x[SKIN_MOST][3];
     for (int32_t most = SS_LAYER_SKIN; most <= SKIN_MOST; most *= 2) {
         const int32_t count = ss_point_grid_nearest(&b->grid, b->mesh->position[node], most,
                                                     INFINITY, out_particle, square);
@@ -595,8 +592,7 @@ static softsim_status fit_all_skin(builder *b, softsim_error *error)
 static double tetrahedron_volume(const ss_mesh *mesh, int32_t e)
 {
     const int32_t *node = mesh->tetrahedron[e];
-    double d[3][3];
-    double cross[3];
+    double d[3][3], cross[3];
     for (int a = 0; a < 3; ++a) {
         ss_sub3(d[a], mesh->position[node[a + 1]], mesh->position[node[0]]);
     }
@@ -608,8 +604,7 @@ static double enclosed_volume(const ss_mesh *mesh)
 {
     double volume = 0.0;
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        double x[3][3];
-        double cross[3];
+        double x[3][3], cross[3];
         for (int a = 0; a < 3; ++a) {
             ss_sub3(x[a], mesh->position[mesh->triangle[t][a]], mesh->position[0]);
         }

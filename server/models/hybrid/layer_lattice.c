@@ -59,10 +59,8 @@ static void claim(lattice *l, int32_t e)
 {
     const int32_t *node = l->mesh->tetrahedron[e];
     const double *x0 = l->mesh->position[node[0]];
-    double d[3][3];
-    double row[3][3];
-    int32_t first[3];
-    int32_t last[3];
+    double d[3][3], row[3][3];
+    int32_t first[3], last[3];
     for (int a = 0; a < 3; ++a) {
         ss_sub3(d[a], l->mesh->position[node[a + 1]], x0);
     }

@@ -102,8 +102,7 @@ static void tie_particle(ss_hybrid *hybrid, int32_t p)
     const int32_t node = hybrid->node_of[p];
     const int32_t *host = hybrid->mesh->tetrahedron[hybrid->layer->host[p]];
     const double mass = particle_mass(hybrid, p);
-    double u[3];
-    double v[3];
+    double u[3], v[3];
     for (int a = 0; a < 3; ++a) {
         v[a] = (double)nodes->v[4 * (ptrdiff_t)node + a];
     }
@@ -323,8 +322,7 @@ static void scan(ss_hybrid *hybrid, int probe, const double middle[3], double mo
     const ss_shape *shape = &hybrid->shape[probe].shape;
     const double *q = hybrid->tool[probe].to.orientation;
     const double reach = ss_shape_bounding_radius(shape) + most;
-    int32_t low[3];
-    int32_t high[3];
+    int32_t low[3], high[3];
     for (int k = 0; k < 3; ++k) {
         const double from = (middle[k] - reach - grid->low[k]) / grid->cell;
         const double to = (middle[k] + reach - grid->low[k]) / grid->cell;
@@ -337,9 +335,7 @@ static void scan(ss_hybrid *hybrid, int probe, const double middle[3], double mo
             const int32_t end = high[0] < low[0] ? 0 : grid->first[row + high[0] + 1];
             for (int32_t m = high[0] < low[0] ? 0 : grid->first[row + low[0]]; m < end; ++m) {
                 const int32_t p = grid->member[m];
-                double x[3];
-                double local[3];
-                double normal[3];
+                double x[3], local[3], normal[3];
                 ss_sub3(x, layer->rest[p], middle);
                 if (ss_dot3(x, x) > reach * reach) {
                     continue;

@@ -129,6 +129,22 @@ softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *n
     return status;
 }
 
+enum { CLAIM_CELLS = 8 };
+
+/* A claim's row of the table; the page leaves out the first cell, the paper's name. */
+static void fill_cells(const ss_paper *paper, const ss_claim *at, const char *cell[CLAIM_CELLS])
+{
+    const char *const all[CLAIM_CELLS] = {paper->name,
+                                          at->figure,
+                                          at->claim,
+                                          at->expected,
+                                          at->measured,
+                                          at->tolerance,
+                                          source_names[at->source],
+                                          result_names[at->result]};
+    memcpy(cell, all, sizeof all);
+}
+
 softsim_status ss_paper_write_claims(const ss_paper *paper, softsim_error *error)
 {
     ss_output csv;
@@ -139,16 +155,9 @@ softsim_status ss_paper_write_claims(const ss_paper *paper, softsim_error *error
         return status;
     }
     for (int32_t i = 0; i < paper->claim_count; ++i) {
-        const ss_claim *at = &paper->claim[i];
-        const char *const cell[] = {paper->name,
-                                    at->figure,
-                                    at->claim,
-                                    at->expected,
-                                    at->measured,
-                                    at->tolerance,
-                                    source_names[at->source],
-                                    result_names[at->result]};
-        for (size_t k = 0; k < sizeof cell / sizeof *cell; ++k) {
+        const char *cell[CLAIM_CELLS];
+        fill_cells(paper, &paper->claim[i], cell);
+        for (size_t k = 0; k < CLAIM_CELLS; ++k) {
             if (k > 0) {
                 fputc(',', csv.file);
             }
@@ -161,22 +170,16 @@ softsim_status ss_paper_write_claims(const ss_paper *paper, softsim_error *error
 
 void ss_paper_show_claims(ss_paper *paper)
 {
-    static const char *const head[] = {"figure", "claim", "expected", "measured",
-                                       "within", "from",  "verdict"};
+    static const char *const head[CLAIM_CELLS - 1] = {"figure", "claim", "expected", "measured",
+                                                      "within", "from",  "verdict"};
     if (paper->shown_count == paper->claim_count) {
         return;
     }
-    ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
+    ss_page_table_begin(&paper->page, CLAIM_CELLS - 1, head);
     for (; paper->shown_count < paper->claim_count; ++paper->shown_count) {
-        const ss_claim *at = &paper->claim[paper->shown_count];
-        const char *const cell[] = {at->figure,
-                                    at->claim,
-                                    at->expected,
-                                    at->measured,
-                                    at->tolerance,
-                                    source_names[at->source],
-                                    result_names[at->result]};
-        ss_page_table_row(&paper->page, (int32_t)(sizeof cell / sizeof *cell), cell);
+        const char *cell[CLAIM_CELLS];
+        fill_cells(paper, &paper->claim[paper->shown_count], cell);
+        ss_page_table_row(&paper->page, CLAIM_CELLS - 1, cell + 1);
     }
     ss_page_table_end(&paper->page);
 }
