@@ -161,8 +161,7 @@ static void make_pose(ss_bridge *bridge, int64_t now_ns, softsim_pose *out_pose)
 /* Exerts the force in effect for one period, corrected to `pose`, and names it there. */
 static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
 {
-    double world[3];
-    double device[3];
+    double world[3], device[3];
     pose->force_seq = ss_corrector_force_seq(&bridge->corrector, now_ns);
     ss_corrector_force(&bridge->corrector, now_ns, pose->position, world);
     ss_scale3(world, world, 1.0 - bridge->withheld);

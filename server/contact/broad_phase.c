@@ -53,8 +53,7 @@ static double distance_to_path(const ss_sweep *s, const double x[3])
 /* Rejects a box further than `radius` from the path's own box or, as a ball, from the path. */
 static bool is_clear(const ss_sweep *s, double radius, const ss_box *box)
 {
-    double middle[3];
-    double half[3];
+    double middle[3], half[3];
     for (int k = 0; k < 3; ++k) {
         const double low = (double)box->low[k];
         const double high = (double)box->high[k];

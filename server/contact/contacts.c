@@ -91,9 +91,7 @@ static void least_rotation(const double a[3], const double b[3], double out[3][3
 static void set_curvature(const tally *sum, const double normal[3], double out[3][3])
 {
     static const uint8_t packed[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-    double rest[3];
-    double turn[3][3];
-    double half[3][3];
+    double rest[3], turn[3][3], half[3][3];
     ss_copy3(rest, sum->rest_normal);
     if (!(ss_normalize3(rest) > 0.0)) {
         ss_copy3(rest, normal);
@@ -207,8 +205,7 @@ static double tally_samples(const ss_contact_query *query, const ss_frame *frame
 static void shift_to_line(const tally *sum, double most, double r[3])
 {
     const double square = ss_dot3(sum->force, sum->force);
-    double turn[3];
-    double shift[3];
+    double turn[3], shift[3];
     ss_cross3(turn, r, sum->force);
     ss_sub3(turn, sum->moment, turn);
     ss_cross3(shift, sum->force, turn);
@@ -221,8 +218,7 @@ static void shift_to_line(const tally *sum, double most, double r[3])
 static void set_contact(const ss_contact_query *query, const ss_frame *frame,
                         const ss_tool_pose *pose, const tally *sum, ss_contact *out)
 {
-    double r[3];
-    double gradient[3];
+    double r[3], gradient[3];
     ss_real at[3];
     ss_scale3(r, sum->r, 1.0 / sum->weight);
     for (int k = 0; k < 3; ++k) {
@@ -259,8 +255,7 @@ typedef struct nearest {
 /* Facet normal, out of the tissue. */
 static void facet_normal(const ss_wide *a, const ss_wide *b, const ss_wide *c, double out[3])
 {
-    double first[3];
-    double second[3];
+    double first[3], second[3];
     for (int k = 0; k < 3; ++k) {
         first[k] = (double)((*b)[k] - (*a)[k]);
         second[k] = (double)((*c)[k] - (*a)[k]);

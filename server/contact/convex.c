@@ -42,8 +42,7 @@ struct ss_convex {
 static void nearest_on_segment(const double a[3], const double b[3], const double x[3],
                                double out[3])
 {
-    double edge[3];
-    double r[3];
+    double edge[3], r[3];
     ss_sub3(edge, b, a);
     ss_sub3(r, x, a);
     const double square = ss_dot3(edge, edge);
@@ -63,9 +62,7 @@ static double triangle_distance(const ss_convex *convex, int32_t t, const double
     for (int k = 0; k < 3; ++k) {
         const double *a = convex->vertex[v[k]];
         const double *b = convex->vertex[v[(k + 1) % 3]];
-        double edge[3];
-        double r[3];
-        double inward[3];
+        double edge[3], r[3], inward[3];
         ss_sub3(edge, b, a);
         ss_sub3(r, x, a);
         ss_cross3(inward, normal, edge);
@@ -79,8 +76,7 @@ static double triangle_distance(const ss_convex *convex, int32_t t, const double
         return fabs(above);
     }
     for (int k = 0; k < 3; ++k) {
-        double point[3];
-        double r[3];
+        double point[3], r[3];
         nearest_on_segment(convex->vertex[v[k]], convex->vertex[v[(k + 1) % 3]], x, point);
         ss_sub3(r, x, point);
         const double d = ss_norm3(r);
@@ -225,8 +221,7 @@ static double measure(ss_convex *convex)
     }
     for (int32_t t = 0; t < convex->triangle_count; ++t) {
         const int32_t *v = convex->triangle[t];
-        double r[3][3];
-        double cross[3];
+        double r[3][3], cross[3];
         for (int k = 0; k < 3; ++k) {
             ss_sub3(r[k], convex->vertex[v[k]], convex->centre);
         }

@@ -119,8 +119,7 @@ static void fit_nodes(const ss_surface *surface, const ss_mesh *mesh, fit *fits)
         for (int k = 0; k < 6; ++k) {
             const int32_t i = mesh->triangle[t][k % 3];
             const int32_t j = mesh->triangle[t][(k % 3 + 1 + k / 3) % 3];
-            double edge[3];
-            double turn[3];
+            double edge[3], turn[3];
             ss_sub3(edge, mesh->position[j], mesh->position[i]);
             for (int c = 0; c < 3; ++c) {
                 turn[c] = (double)surface->node_normal[j][c] - (double)surface->node_normal[i][c];

@@ -24,8 +24,7 @@ void ss_frame_set(ss_frame *frame, const ss_shape *shape, const double origin_sh
 void ss_frame_core_normal(const ss_frame *frame, ss_real out[3])
 {
     static const double centre[3] = {0.0, 0.0, 0.0};
-    double normal[3];
-    double world[3];
+    double normal[3], world[3];
     ss_shape_distance(frame->shape, centre, normal);
     ss_rotate(world, frame->orientation, normal);
     for (int k = 0; k < 3; ++k) {
@@ -55,8 +54,7 @@ static double round_distance(const ss_frame *frame, const double r[3], double ou
 double ss_frame_distance(const ss_frame *frame, const ss_real r[3], double out_normal[3])
 {
     const double world[3] = {(double)r[0], (double)r[1], (double)r[2]};
-    double local[3];
-    double normal[3];
+    double local[3], normal[3];
     if (frame->is_round) {
         return round_distance(frame, world, out_normal);
     }

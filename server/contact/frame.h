@@ -103,8 +103,7 @@ static inline bool ss_frame_find(const ss_frame *frame, const ss_wide *r, ss_rea
         return *out_d < limit;
     }
     const double world[3] = {(double)(*r)[0], (double)(*r)[1], (double)(*r)[2]};
-    double local[3];
-    double normal[3];
+    double local[3], normal[3];
     ss_rotate_back(local, frame->orientation, world);
     *out_d = (ss_real)ss_shape_distance(frame->shape, local, normal);
     if (!(*out_d < limit)) {

@@ -69,8 +69,7 @@ void ss_shape_support(const ss_shape *shape, const double direction[3], double o
 
 static void world_support(const placed *object, const double direction[3], double out[3])
 {
-    double local_direction[3];
-    double local[3];
+    double local_direction[3], local[3];
     ss_rotate_back(local_direction, object->orientation, direction);
     ss_shape_support(object->shape, local_direction, local);
     ss_rotate(out, object->orientation, local);
@@ -103,8 +102,7 @@ static void ccd_centre(const void *object, ccd_vec3_t *out)
 static double depth_along(const placed *a, const placed *b, const double n[3])
 {
     const double back[3] = {-n[0], -n[1], -n[2]};
-    double far_a[3];
-    double far_b[3];
+    double far_a[3], far_b[3];
     world_support(a, n, far_a);
     world_support(b, back, far_b);
     return ss_dot3(far_a, n) - ss_dot3(far_b, n);
@@ -163,8 +161,7 @@ bool ss_shape_penetration(const ss_shape *a, const ss_tool_pose *pose_a, const s
     }
 
     /* Grazing contacts come without a direction; the centre line then stands in. */
-    double candidate[2][3];
-    double centre[2][3];
+    double candidate[2][3], centre[2][3];
     world_centre(&object[0], centre[0]);
     world_centre(&object[1], centre[1]);
     ss_copy3(candidate[0], direction.v);

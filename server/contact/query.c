@@ -106,8 +106,7 @@ softsim_status ss_contact_query_create(const ss_surface *surface, const ss_shape
     query->stiffening_depth =
         (ss_real)(SS_CONTACT_QUERY_STIFFENING_FROM * ss_shape_inradius(shape));
     query->margin = (sizeof(ss_real) == 4 ? 1e-5 : 1e-12) * (surface->size + radius);
-    double low;
-    double high;
+    double low, high;
     ss_shape_span(shape, &low, &high);
     const double spacing = 0.5 * ss_shape_inradius(shape);
     query->station_low = low;
@@ -273,9 +272,7 @@ void ss_contact_query_weight_forces(const ss_contact_query *query, const double 
             if (push == 0.0) {
                 continue;
             }
-            double f[3];
-            double r[3];
-            double turn[3];
+            double f[3], r[3], turn[3];
             for (int k = 0; k < 3; ++k) {
                 f[k] = push * (double)source->n[s][k];
                 r[k] = (double)source->r[s][k];
@@ -454,8 +451,7 @@ void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, 
     for (int32_t g = 0; g < query->group_count; ++g) {
         const ss_group *group = &query->group[g];
         const ss_real scale = sample_scale(query, group->triangle);
-        ss_wide move[SS_GRID_ROW];
-        ss_wide value[SS_GRID_ROW];
+        ss_wide move[SS_GRID_ROW], value[SS_GRID_ROW];
         ss_wide on_tool = {0};
         for (int p = 0; p < SS_GRID_ROW; ++p) {
             move[p] = (ss_wide){0};

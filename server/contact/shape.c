@@ -55,8 +55,7 @@ static double capsule_distance(double radius, double half_length, const double x
 
 static double box_distance(const double extent[3], const double x[3], double out_normal[3])
 {
-    double q[3];
-    double outside[3];
+    double q[3], outside[3];
     int deepest = 0;
     for (int k = 0; k < 3; ++k) {
         q[k] = fabs(x[k]) - extent[k];

@@ -106,8 +106,7 @@ static void check_box(ss_scene_check *check, const ss_scene_row *row, ss_scene_n
                     node->kind == SS_SCENE_LIST ? "does not have two corners" : kind_text(node));
         return;
     }
-    double low[3];
-    double high[3];
+    double low[3], high[3];
     const bool is_low_good = check_vector(check, row, node->first, low);
     if (check_vector(check, row, node->last, high) && is_low_good &&
         (low[0] > high[0] || low[1] > high[1] || low[2] > high[2])) {

@@ -100,16 +100,6 @@ static inline void setup_network(setup *s, ss_mesh *mesh, double alpha)
     give(s, "tet_guard", 0.0);
 }
 
-/* A set of nodes driven by (x, y, z) from t = 0 on, in `ramp` seconds. */
-static inline void drive(setup *s, int32_t count, int32_t *node, double (*way)[3], double ramp)
-{
-    s->prescribed[s->plan.prescribed_count++] = (ss_prescribed){.node = node,
-                                                                .node_count = count,
-                                                                .displacement = way,
-                                                                .axis = {true, true, true},
-                                                                .ramp = ramp};
-}
-
 /* Into another frame. */
 static inline void turn(double x[3])
 {

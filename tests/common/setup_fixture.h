@@ -41,6 +41,16 @@ static inline int row_of(const setup *s, const char *name)
     abort();
 }
 
+/* One prescribed set more: `way`, all axes of each node, reached within `ramp` seconds. */
+static inline void prescribe(setup *s, int32_t count, int32_t *node, double (*way)[3], double ramp)
+{
+    s->prescribed[s->plan.prescribed_count++] = (ss_prescribed){.node = node,
+                                                                .node_count = count,
+                                                                .displacement = way,
+                                                                .axis = {true, true, true},
+                                                                .ramp = ramp};
+}
+
 static inline void give_row(setup *s, int row, double value)
 {
     s->param[row] = (ss_param_value){.number = value, .is_given = true};

@@ -114,8 +114,7 @@ static inline void make_sphere(int levels, double radius)
     for (int level = 0; level < levels; ++level) {
         const int32_t count = mesh.triangle_count;
         for (int32_t t = 0; t < count; ++t) {
-            int32_t v[3];
-            int32_t m[3];
+            int32_t v[3], m[3];
             memcpy(v, triangles[t], sizeof v);
             for (int k = 0; k < 3; ++k) {
                 m[k] = middle_node(v[k], v[(k + 1) % 3], radius);

@@ -118,8 +118,7 @@ TEST(weight_forces_are_minus_the_gradient)
         broad_phase(&pose, &pose);
         const int32_t *node;
         const double *weight;
-        double listed[MAX_NODES];
-        double total;
+        double listed[MAX_NODES], total;
         double sum = 0.0;
         const int32_t count = ss_contact_query_weigh(query, u, NULL, &pose, &node, &weight, &total);
         for (int32_t i = 0; i < count; ++i) {
@@ -212,10 +211,8 @@ TEST(broad_phase_radius_does_not_change_a_bit)
         shake_nodes(0.001);
         const ss_tool_pose pose = random_pose(0.0235, 0.0235, 0.0235);
         const ss_tool_pose away = pose_at(-0.06, 0.05, 0.01);
-        double first_force[3];
-        double energy[2];
-        int32_t count[2];
-        int32_t reach[2];
+        double first_force[3], energy[2];
+        int32_t count[2], reach[2];
         for (int wide = 0; wide < 2; ++wide) {
             const int32_t *node;
             const double *weight;
@@ -534,8 +531,7 @@ TEST(a_long_tool_spreads_its_contacts)
     double torque[3] = {0.0, 0.0, 0.0};
     for (int k = 0; k < set.count; ++k) {
         assert_near(ss_norm3(set.contact[k].normal), 1.0, 1e-9);
-        double r[3];
-        double turn[3];
+        double r[3], turn[3];
         ss_madd3(sum, sum, set.contact[k].force, set.contact[k].normal);
         ss_sub3(r, set.contact[k].point, pose.position);
         ss_cross3(turn, r, set.contact[k].normal);
@@ -580,9 +576,7 @@ TEST(the_nearest_patch_is_told_before_touching)
                 const uint8_t *p = surface->grid.facet[i / 4];
                 const ss_real *c = surface->grid.part[i % 4];
                 const ss_wide x = c[0] * point[p[0]] + c[1] * point[p[1]] + c[2] * point[p[2]];
-                double r[3];
-                double local[3];
-                double normal[3];
+                double r[3], local[3], normal[3];
                 for (int a = 0; a < 3; ++a) {
                     r[a] = (double)x[a] + surface->centre[a] - pose.position[a];
                 }

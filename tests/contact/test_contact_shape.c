@@ -152,9 +152,7 @@ TEST(distances_survive_random_points)
     seed_state = 21;
     for (int i = 0; i < 20000; ++i) {
         const ss_shape *shape = solids[i % 5];
-        double x[3];
-        double normal[3];
-        double other[3];
+        double x[3], normal[3], other[3];
         random_point(x, 5.0);
         const double d = ss_shape_distance(shape, x, normal);
         assert_true((d < 0.0) == is_inside(shape, x));
@@ -162,8 +160,7 @@ TEST(distances_survive_random_points)
         double foot[3];
         ss_madd3(foot, x, -d, normal);
         assert_near(ss_shape_distance(shape, foot, other), 0.0, 1e-9);
-        double way[3];
-        double short_of[3];
+        double way[3], short_of[3];
         random_point(way, 1.0);
         ss_normalize3(way);
         ss_madd3(short_of, x, 0.999 * fabs(d), way);
@@ -171,8 +168,7 @@ TEST(distances_survive_random_points)
         /* 1-Lipschitz */
         const double near = ss_shape_distance(shape, short_of, other);
         assert_true(fabs(near - d) <= 0.999 * fabs(d) + 1e-12);
-        double ahead[3];
-        double behind[3];
+        double ahead[3], behind[3];
         ss_madd3(ahead, x, 1e-6, normal);
         ss_madd3(behind, x, -1e-6, normal);
         const double slope =
@@ -211,9 +207,7 @@ TEST(a_box_mesh_is_a_box)
     assert_int_equal(ss_shape_init_convex(&hull, &mesh, NULL), SOFTSIM_OK);
     seed_state = 22;
     for (int i = 0; i < 20000; ++i) {
-        double x[3];
-        double normal[3];
-        double expected_normal[3];
+        double x[3], normal[3], expected_normal[3];
         random_point(x, 5.0);
         const double expected = ss_shape_distance(&box, x, expected_normal);
         assert_near(ss_shape_distance(&hull, x, normal), expected, 1e-12);
@@ -238,8 +232,7 @@ TEST(a_prism_with_many_sides_is_nearly_a_cylinder)
     assert_int_equal(ss_shape_init_convex(&hull, &mesh, NULL), SOFTSIM_OK);
     seed_state = 23;
     for (int i = 0; i < 5000; ++i) {
-        double x[3];
-        double normal[3];
+        double x[3], normal[3];
         random_point(x, 4.0);
         assert_near(ss_shape_distance(&hull, x, normal), ss_shape_distance(&cylinder, x, normal),
                     4e-4);
@@ -303,9 +296,7 @@ TEST(blending_stays_within_the_motion_bound)
         const ss_tool_pose from = random_pose_within(1.0);
         const ss_tool_pose to = random_pose_within(1.0);
         ss_tool_pose at;
-        double x[3];
-        double a[3];
-        double b[3];
+        double x[3], a[3], b[3];
         random_point(x, 1.0);
         ss_normalize3(x);
         ss_scale3(x, x, ss_shape_bounding_radius(&capsule));
@@ -351,11 +342,7 @@ TEST(overlaps_agree_with_distances)
         const ss_shape *shape = &solids[i % 6];
         const ss_tool_pose a = random_pose_within(0.005);
         const ss_tool_pose b = random_pose_within(0.005);
-        double r[3];
-        double local[3];
-        double normal[3];
-        double depth;
-        double direction[3];
+        double r[3], local[3], normal[3], depth, direction[3];
         ss_sub3(r, b.position, a.position);
         ss_rotate_back(local, a.orientation, r);
         const double gap = ss_shape_distance(shape, local, normal) - ball.radius;
@@ -387,8 +374,7 @@ TEST(coinciding_and_distant_shapes_are_safe)
 {
     const ss_tool_pose here = {{0.1, 0.2, 0.3}, {1.0, 0.0, 0.0, 0.0}};
     ss_tool_pose there = here;
-    double depth;
-    double direction[3];
+    double depth, direction[3];
     int64_t failures = 0;
     const ss_shape *solids[] = {&sphere, &capsule, &box, &cylinder, &cone};
     for (int k = 0; k < 5; ++k) {

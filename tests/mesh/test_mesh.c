@@ -114,8 +114,7 @@ TEST(cube_of_six_tetrahedra_has_the_measures_of_a_cube)
 TEST(node_areas_sum_to_the_area_and_their_vectors_to_nothing)
 {
     ss_mesh *mesh = make_cube();
-    double area[8];
-    double vector[8][3];
+    double area[8], vector[8][3];
     double sum = 0.0;
     double total[3] = {0.0, 0.0, 0.0};
     ss_mesh_node_areas(mesh, area);

@@ -108,8 +108,7 @@ TEST(a_plane_is_numbered_directed_and_cut_as_promised)
     assert_int_equal(r.mixed_direction.count, 0);
     assert_int_equal(r.open_edge.count, 14);
     /* Whole, half and quarter cells, whichever way the diagonals run. */
-    double area[20];
-    double vector[20][3];
+    double area[20], vector[20][3];
     ss_mesh_node_areas(m, area);
     ss_mesh_node_area_vectors(m, vector);
     for (int i = 0; i < 20; ++i) {
@@ -137,9 +136,7 @@ TEST(a_cylinder_faces_outward_with_u_along_its_axis)
         assert_int_equal(ss_mesh_accept(m, "cylinder", &error), SOFTSIM_OK);
         int32_t ends[15 * 24] = {0};
         for (int32_t q = 0; q < m->quad_count; ++q) {
-            double u[3];
-            double across[3];
-            double normal[3];
+            double u[3], across[3], normal[3];
             u_of(m, q, u);
             ss_sub3(across, m->position[m->quad[q][2]], m->position[m->quad[q][1]]);
             ss_cross3(normal, u, across);
@@ -238,8 +235,7 @@ TEST(a_cube_where_directions_cannot_agree_is_accepted_and_says_so)
     assert_near(r.area, 6.0, 1e-14);
     assert_int_equal(r.inconsistent_winding.count, 0);
     assert_int_equal(ss_mesh_accept(m, "cube", &error), SOFTSIM_OK);
-    double area[8];
-    double vector[8][3];
+    double area[8], vector[8][3];
     ss_mesh_node_areas(m, area);
     ss_mesh_node_area_vectors(m, vector);
     for (int i = 0; i < 8; ++i) {
@@ -308,9 +304,7 @@ TEST(areas_of_a_warped_quad_do_not_depend_on_the_diagonal)
     for (int cut = 0; cut < 2; ++cut) {
         for (int half = 0; half < 2; ++half) {
             const int n[3] = {cut + 2 * half, cut + 2 * half + 1, (cut + 2 * half + 2) % 4};
-            double u[3];
-            double v[3];
-            double a[3];
+            double u[3], v[3], a[3];
             ss_sub3(u, x[n[1] % 4], x[n[0]]);
             ss_sub3(v, x[n[2]], x[n[0]]);
             ss_cross3(a, u, v);
@@ -388,8 +382,7 @@ TEST(faults_of_quads_are_named)
         }
         assert_int_equal(fault->count, 1);
         assert_int_equal(fault->first[0], bad[i].number);
-        double area[8];
-        double vector[8][3];
+        double area[8], vector[8][3];
         ss_mesh_node_areas(m, area);
         ss_mesh_node_area_vectors(m, vector);
         assert_true(ss_mesh_orient(m) >= 0);

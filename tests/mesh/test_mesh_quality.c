@@ -228,11 +228,7 @@ TEST(neighbours_cross_only_when_they_are_folded_or_pierced)
 /* The slow obvious way: an edge of one and the plane of the other, in double, no tree. */
 static bool pierces(const double p[3], const double q[3], const double t[3][3])
 {
-    double u[3];
-    double v[3];
-    double n[3];
-    double from[3];
-    double along[3];
+    double u[3], v[3], n[3], from[3], along[3];
     ss_sub3(u, t[1], t[0]);
     ss_sub3(v, t[2], t[0]);
     ss_cross3(n, u, v);
@@ -245,9 +241,7 @@ static bool pierces(const double p[3], const double q[3], const double t[3][3])
     double x[3];
     ss_madd3(x, p, share, along);
     for (int k = 0; k < 3; ++k) {
-        double side[3];
-        double to[3];
-        double across[3];
+        double side[3], to[3], across[3];
         ss_sub3(side, t[(k + 1) % 3], t[k]);
         ss_sub3(to, x, t[k]);
         ss_cross3(across, side, to);

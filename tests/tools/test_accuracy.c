@@ -303,15 +303,20 @@ static softsim_status load_tiny(ss_case_body *body, softsim_error *error)
     return status;
 }
 
+static void write_good_case(void)
+{
+    write_text("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
+    write_text("m.msh", good_mesh);
+    write_text("s.json", good_sets);
+    write_text("r.csv", good_reference);
+}
+
 /* The numbers of the file need not be in order, nor begin with 1. */
 TEST(numbers_lead_to_nodes)
 {
     ss_case_body body;
     softsim_error error = {.status = SOFTSIM_OK};
-    write_text("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
-    write_text("m.msh", good_mesh);
-    write_text("s.json", good_sets);
-    write_text("r.csv", good_reference);
+    write_good_case();
     assert_int_equal(load_tiny(&body, &error), SOFTSIM_OK);
     assert_int_equal(body.number[0], 7);
     assert_int_equal(body.pushed_count, 1);
@@ -386,10 +391,7 @@ TEST(hostile_bodies_are_refused)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         ss_case_body body;
         softsim_error error = {.status = SOFTSIM_OK};
-        write_text("case.yaml", GOOD_HEAD GOOD_PUSH GOOD_REST);
-        write_text("m.msh", good_mesh);
-        write_text("s.json", good_sets);
-        write_text("r.csv", good_reference);
+        write_good_case();
         write_text(bad[i].name, bad[i].text);
         assert_int_not_equal(load_tiny(&body, &error), SOFTSIM_OK);
         if (strstr(error.text, bad[i].says) == NULL) {

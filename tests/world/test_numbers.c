@@ -478,8 +478,7 @@ TEST(a_shuffled_file_gives_the_same_body_in_its_own_numbers)
         }
         ss_mesh *shuffled = scatter(mesh, what);
         int32_t *place = shuffle(NODES, 5); /* as scatter() did */
-        int32_t plain[NODES];
-        int32_t order[NODES];
+        int32_t plain[NODES], order[NODES];
         for (int32_t i = 0; i < NODES; ++i) {
             plain[i] = i;
             order[place[i]] = i;

@@ -214,8 +214,7 @@ static void improve(solid *s, const star_table *t, int32_t node, double edge, do
     if (best <= good_enough) {
         return;
     }
-    double place[3];
-    double centroid[3];
+    double place[3], centroid[3];
     ss_copy3(place, x);
     star_centroid(s, t, node, centroid);
     const double start[3] = {x[0], x[1], x[2]};

@@ -200,9 +200,7 @@ static bool circle_holds_opposite(const net *t, int32_t p, int corner)
 {
     const int32_t *node = t->triangle[p];
     const int32_t q = t->beside[p][corner];
-    double ab[3];
-    double ac[3];
-    double ad[3];
+    double ab[3], ac[3], ad[3];
     ss_sub3(ab, t->x[node[1]], t->x[node[0]]);
     ss_sub3(ac, t->x[node[2]], t->x[node[0]]);
     ss_sub3(ad, t->x[t->triangle[q][corner_towards(t, q, p)]], t->x[node[0]]);
@@ -317,9 +315,7 @@ static bool is_lonely(const net *t, int32_t p, int corner)
 /* Angle at x between the directions to a and b. */
 static double angle(const double x[3], const double a[3], const double b[3])
 {
-    double u[3];
-    double v[3];
-    double uv[3];
+    double u[3], v[3], uv[3];
     ss_sub3(u, a, x);
     ss_sub3(v, b, x);
     ss_cross3(uv, u, v);

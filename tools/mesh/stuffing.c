@@ -377,8 +377,7 @@ static void cut_tetrahedron(lattice *l, const site p[4], int inner, int outer)
         add(l, a, b, is_at_a ? cut_b : cut_a, apex);
         add(l, is_at_a ? a : b, cut_a, cut_b, apex);
     } else if (inner == 3) {
-        int32_t low[3];
-        int32_t high[3];
+        int32_t low[3], high[3];
         int before[3];
         for (int k = 0; k < 3; ++k) {
             low[k] = site_node(l, p[k]);

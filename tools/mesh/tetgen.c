@@ -67,10 +67,7 @@ static void write_holes(FILE *file, const ss_mesh *m, const int32_t *part, doubl
         const int32_t *n = m->triangle[t];
         if (volume[part[n[0]]] < 0.0) {
             volume[part[n[0]]] = 0.0;
-            double ab[3];
-            double ac[3];
-            double out[3];
-            double x[3];
+            double ab[3], ac[3], out[3], x[3];
             ss_sub3(ab, m->position[n[1]], m->position[n[0]]);
             ss_sub3(ac, m->position[n[2]], m->position[n[0]]);
             ss_cross3(out, ab, ac);

@@ -66,8 +66,7 @@ static void project(const void *body, double x[3])
 
 static bool stuff_organ(maker *m, double h)
 {
-    double low[3];
-    double high[3];
+    double low[3], high[3];
     for (int k = 0; k < 3; ++k) {
         low[k] = m->organ.centre[k] - 1.3 * m->organ.half[k];
         high[k] = m->organ.centre[k] + 1.3 * m->organ.half[k];

@@ -22,7 +22,7 @@ static void setup_block(setup *s, double alpha, int32_t cells, int32_t *node, do
         node[k] = (SIDE - 1) * SIDE * SIDE + (SIDE / 2 - 1 + k / 3) * SIDE + SIDE / 2 - 1 + k % 3;
         ss_set3(way[k], 0.0, 0.0, -0.3); /* deeper, it buckles */
     }
-    drive(s, PATCH, node, way, 0.0);
+    prescribe(s, PATCH, node, way, 0.0);
 }
 
 TEST(hats_sum_to_one)
@@ -324,7 +324,7 @@ TEST(a_body_without_a_free_cell_follows_its_set)
             node[i] = i + SIDE * SIDE;
             ss_set3(way[i], 0.05, 0.0, 0.2);
         }
-        drive(&s, NODES - SIDE * SIDE, node, way, 0.01);
+        prescribe(&s, NODES - SIDE * SIDE, node, way, 0.01);
         create(&s);
         steps(&s, 40, 1e-3);
         assert_near(moved(&s, NODES - 1, 2), 0.2, 1e-6);

@@ -248,7 +248,7 @@ TEST(deep_poke_inverts_no_tetrahedron_and_is_undone)
         for (int32_t i = 0; i < SIDE * SIDE; ++i) {
             s.fixed[i] = 7;
         }
-        drive(&s, 1, node, way, 0.1);
+        prescribe(&s, 1, node, way, 0.1);
         give(&s, "leak_resistance", 10.0);
         create(&s);
         steps(&s, 400, 1e-3);

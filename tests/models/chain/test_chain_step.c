@@ -19,7 +19,7 @@ static void setup_plane(setup *s, double alpha, double lift, double ramp)
         s->fixed[i] = r == 0 || c == 0 || r == PLANE - 1 || c == PLANE - 1 ? 7 : 0;
     }
     ss_set3(middle_way[0], 0.0, 0.0, lift);
-    drive(s, 1, middle, middle_way, ramp);
+    prescribe(s, 1, middle, middle_way, ramp);
 }
 
 static double held_force(const setup *s)
@@ -103,7 +103,7 @@ static void setup_block(setup *s, int n, int32_t *node, double (*way)[3])
         s->fixed[i] = 7;
     }
     node[0] = n * n * n - 1 - n * (n / 2) - n / 2;
-    drive(s, 1, node, way, 2.0);
+    prescribe(s, 1, node, way, 2.0);
 }
 
 TEST(front_gives_the_bits_of_the_full_step)
@@ -191,7 +191,7 @@ static void loop(ss_chain_unloading rule, double *out_in, double *out_net)
         node[k] = (SIDE - 1) * SIDE * SIDE + (SIDE / 2 - 1 + k / 3) * SIDE + SIDE / 2 - 1 + k % 3;
         ss_set3(way[k], 0.0, 0.0, 0.0);
     }
-    drive(&s, 9, node, way, 0.0);
+    prescribe(&s, 9, node, way, 0.0);
     create(&s);
     *out_in = *out_net = 0.0;
     double last = 0.0;
@@ -317,7 +317,7 @@ TEST(contradiction_is_an_equilibrium_with_energy)
     double way[2][3] = {{0.0, 0.0, -5.0}, {0.0, 0.0, 5.0}};
     setup s;
     setup_network(&s, make_box(2, 2, 3, 1.0), 0.02);
-    drive(&s, 2, node, way, 1.0);
+    prescribe(&s, 2, node, way, 1.0);
     create(&s);
     steps(&s, 4000, 0.05);
     const double elastic = info_of(&s).elastic;

@@ -18,7 +18,7 @@ static void setup_plane(setup *s, double alpha, bool is_radial, int32_t *node, d
         s->fixed[i] = r == 0 || c == 0 || r == PLANE - 1 || c == PLANE - 1 ? 7 : 0;
     }
     node[0] = MIDDLE;
-    drive(s, 1, node, way, 2.0);
+    prescribe(s, 1, node, way, 2.0);
 }
 
 TEST(box_makes_the_pyramid)
@@ -210,8 +210,8 @@ TEST(axes_that_are_not_prescribed_are_free)
     setup_init(&s, "chainmail", make_triangle(0.8));
     give(&s, "alpha", 0.1);
     give(&s, "band", 1);
-    drive(&s, 1, node, way, 1.0);
-    drive(&s, 1, node + 1, way + 1, 0.0);
+    prescribe(&s, 1, node, way, 1.0);
+    prescribe(&s, 1, node + 1, way + 1, 0.0);
     create(&s);
     steps(&s, 30, 0.1);
     assert_near(moved(&s, 0, 0), -1.0, 1e-6);

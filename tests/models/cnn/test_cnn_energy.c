@@ -99,12 +99,7 @@ TEST(a_prescribed_node_reports_the_force_that_it_takes)
     int32_t centre = 0;
     double way[1][3] = {{0.0, 0.0, -0.1}};
     setup_fan(&s, 7.0, 1.0, 0.5, 0.3);
-    s.prescribed[0] = (ss_prescribed){.node = &centre,
-                                      .node_count = 1,
-                                      .displacement = way,
-                                      .axis = {true, true, true},
-                                      .ramp = 1.0};
-    s.plan.prescribed_count = 1;
+    prescribe(&s, 1, &centre, way, 1.0);
     create(&s);
     steps(&s, 500, 0.01);
     assert_near(moved(&s, 0, 2), -0.1, BY_TYPE(1e-8, 1e-15));

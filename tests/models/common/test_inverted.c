@@ -157,7 +157,7 @@ static void every_model_says_it_while_it_lasts(void **state)
         for (int32_t i = 1; i < s.mesh->node_count; ++i) {
             s.fixed[i] = 7;
         }
-        drive(&s, 1, node, way, 0.1);
+        prescribe(&s, 1, node, way, 0.1);
         create(&s);
         steps(&s, 5, 1e-3);
         assert_int_equal(info_of(&s).worst_element, -1);

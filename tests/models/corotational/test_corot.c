@@ -191,12 +191,7 @@ TEST(prescribed_nodes_arrive_and_push_back)
             end[count++] = i;
         }
     }
-    s.prescribed[0] = (ss_prescribed){.node = end,
-                                      .node_count = count,
-                                      .displacement = displacement,
-                                      .axis = {true, true, true},
-                                      .ramp = 0.1};
-    s.plan.prescribed_count = 1;
+    prescribe(&s, count, end, displacement, 0.1);
     give_row(&s, SS_COROT_TOLERANCE, BY_TYPE(1e-5, 1e-8));
     create(&s);
     steps(&s, 50, 0.01);

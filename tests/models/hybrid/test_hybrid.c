@@ -220,9 +220,7 @@ TEST(waking_keeps_mass_and_momentum)
             nodes->v[4 * (ptrdiff_t)i + a] = (ss_real)(ss_random_unit(&seed));
         }
     }
-    double mass[3];
-    double momentum[3][3];
-    double volume[3];
+    double mass[3], momentum[3][3], volume[3];
     sum_up(hybrid, &mass[0], momentum[0], &volume[0]);
     double kinetic = kinetic_of(hybrid);
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);

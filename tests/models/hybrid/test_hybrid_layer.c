@@ -204,8 +204,7 @@ TEST(affine_maps_are_exact)
         assert_true(awake != 2 || hybrid->awake_count == hybrid->layer->own_count);
         set_affine(hybrid, gradient, origin);
         const ss_tissue_law law = {.kind = SS_TISSUE_STVK_GUARDED, .lambda = 5.5, .mu = 2.5};
-        double energy;
-        double flat[9];
+        double energy, flat[9];
         memcpy(flat, gradient, sizeof flat);
         free(forces_of(hybrid, &energy));
         const double exact = 0.8 * ss_tissue_energy(&law, flat);
@@ -299,8 +298,7 @@ TEST(force_is_the_slope_of_energy)
         }
         ss_real *u = nodes->u + 4 * (ptrdiff_t)i + i % 3;
         const ss_real kept = *u;
-        double high;
-        double low;
+        double high, low;
         *u = kept + (ss_real)h;
         free(forces_of(hybrid, &high));
         *u = kept - (ss_real)h;
@@ -358,8 +356,7 @@ static double rotation_noise(const double low[3])
     const double stretch[3][3] = {{0.01, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     double largest[2];
     for (int k = 0; k < 2; ++k) {
-        double back[3];
-        double energy;
+        double back[3], energy;
         for (int a = 0; a < 3; ++a) {
             back[a] = -ss_dot3(k == 0 ? stretch[a] : turn[a], low);
         }

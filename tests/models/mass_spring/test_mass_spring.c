@@ -68,12 +68,7 @@ static double stretched_modulus(int cells)
         }
         s.fixed[i] = x < -0.0299 ? 1 : 0;
     }
-    s.prescribed[0] = (ss_prescribed){.node = node,
-                                      .node_count = count,
-                                      .displacement = way,
-                                      .axis = {true, true, true},
-                                      .ramp = 0.1};
-    s.plan.prescribed_count = 1;
+    prescribe(&s, count, node, way, 0.1);
     give(&s, "mass_damping_per_s", 30.0);
     create(&s);
     steps(&s, 700, 1e-3);
@@ -135,12 +130,7 @@ TEST(a_membrane_of_equal_triangles_has_the_modulus_exactly)
             node[count++] = i;
         }
     }
-    s.prescribed[0] = (ss_prescribed){.node = node,
-                                      .node_count = count,
-                                      .displacement = way,
-                                      .axis = {true, true, true},
-                                      .ramp = 0.1};
-    s.plan.prescribed_count = 1;
+    prescribe(&s, count, node, way, 0.1);
     give(&s, "mass_damping_per_s", 100.0);
     create(&s);
     steps(&s, 500, 1e-3);
@@ -434,12 +424,7 @@ TEST(what_is_turned_inside_out_is_said_until_reset)
             s.fixed[i] = 7;
         }
     }
-    s.prescribed[0] = (ss_prescribed){.node = corner,
-                                      .node_count = 1,
-                                      .displacement = aside,
-                                      .axis = {true, true, true},
-                                      .ramp = 0.1};
-    s.plan.prescribed_count = 1;
+    prescribe(&s, 1, corner, aside, 0.1);
     create(&s);
     steps(&s, 2, 1e-3);
     assert_int_equal(info_of(&s).worst_element, -1);

@@ -70,12 +70,7 @@ static double affine_error(ss_tissue_kind kind, int substeps, double *out_energy
             node[count++] = i;
         }
     }
-    s.prescribed[0] = (ss_prescribed){.node = node,
-                                      .node_count = count,
-                                      .displacement = way,
-                                      .axis = {true, true, true},
-                                      .ramp = 0.05};
-    s.plan.prescribed_count = 1;
+    prescribe(&s, count, node, way, 0.05);
     give(&s, "mass_damping_per_s", 100.0);
     give(&s, "substep_s", 1e-3 / substeps);
     create(&s);

@@ -369,10 +369,7 @@ static softsim_status claim_rows(ss_paper *paper, softsim_error *error)
 static double overlap(void)
 {
     static const double at[3] = {0.3, 0.25, 0.2};
-    double x[27][3];
-    double square[27];
-    double row[27];
-    double sum[3];
+    double x[27][3], square[27], row[27], sum[3];
     for (int32_t q = 0; q < 27; ++q) {
         double d[3];
         ss_set3(x[q], 0.5 * (q % 3) - 0.25, 0.5 * (q / 3 % 3) - 0.25, 0.5 * (q / 9) - 0.25);

@@ -50,8 +50,7 @@ static void touch_of(int row, double out_point[3], double out_inward[3])
 
 static void ball_at(int row, double depth, double out[3])
 {
-    double point[3];
-    double inward[3];
+    double point[3], inward[3];
     touch_of(row, point, inward);
     ss_madd3(out, point, depth - 0.2, inward);
 }
@@ -282,8 +281,7 @@ static softsim_status run_row(ss_paper *paper, int which, bool is_rk4, softsim_e
 {
     const ss_heart_row *row = &ss_heart_table[which];
     ss_heart_body body;
-    double to[3];
-    double force[3];
+    double to[3], force[3];
     ss_mesh *mesh = mesh_of(paper, which, error);
     if (mesh == NULL) {
         return error->status;
