@@ -251,6 +251,9 @@ typedef struct ss_contact_set {
     double depth;     /* m, deepest penetration of the stepped tool; negative: nearest distance */
     double engulfed;  /* m, the way out for a tool whose middle lies inside the closed surface, and
                          which its contact holds off no longer; else 0 */
+    /* Of force and torque, what the contacts do not have: models whose samples are not all that
+     * pushes the tool. 0 while held. */
+    double other_force[3], other_torque[3];
 } ss_contact_set;
 
 /* The points, normals, depths and forces of the last ss_contact_query_penalty, reduced to at most

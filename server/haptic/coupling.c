@@ -17,7 +17,7 @@
  * keeps it from circling (1 in 10^4 of random sets of eight opposed contacts did).
  *
  * The spring holds at most the limit L (haptic.max_force_n). Where the force on the hand
- * F = sum F_i n_i + R would exceed it (R: forces that decay whatever the proxy does), the spring
+ * F = sum F_i n_i + R would exceed it (R: forces that act whatever the proxy does), the spring
  * softens along the unit vector e of the local contact model's force, from K to 1/c, until |F| = L:
  *   (K (I - e e^T) + e e^T / c) d = G(d) = sum F_i n_i,   |G + R| = L,
  * e that of the tick before, or of this one where the limit is only just reached. The proxy slips
@@ -265,7 +265,7 @@ static double sum_forces(const ss_balance *balance, const ss_rest *rest, double 
     for (int32_t i = 0; i < balance->count; ++i) {
         ss_madd3(out_local, out_local, rest->force[i], balance->row[i].normal);
     }
-    ss_add3(out_whole, out_local, balance->decaying);
+    ss_add3(out_whole, out_local, balance->other);
     return ss_norm3(out_whole);
 }
 

@@ -89,7 +89,8 @@ static bool is_result_finite(const ss_local_model *result)
     const ss_contact_set *set = &result->set;
     bool is_good = isfinite(result->period) && ss_is_finite(result->proxy, 3) &&
                    ss_is_finite(result->velocity, 3) && ss_is_finite(set->force, 3) &&
-                   ss_is_finite(set->torque, 3) && isfinite(set->depth) &&
+                   ss_is_finite(set->torque, 3) && ss_is_finite(set->other_force, 3) &&
+                   ss_is_finite(set->other_torque, 3) && isfinite(set->depth) &&
                    isfinite(set->engulfed) && ss_is_finite(set->point, 3) &&
                    ss_is_finite(result->outward, 3) && ss_is_finite(set->normal, 3);
     for (int32_t i = 0; is_good && i < set->count && i < SS_MAX_CONTACTS; ++i) {
@@ -281,7 +282,7 @@ static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
 }
 
 /* Where the patches of the local contact model are taken: at the pose used, moved as far as the
- * limit and a grasp that was let go have the proxy slip. A hand far beyond the limit would else
+ * limit and a grasp that was let go have the proxy slip, and what acts beside the contacts. A hand far beyond the limit would else
  * bend the surface as it is at the hand: the tissue was pressed with half of the limit. */
 static void patch_pose(const ss_haptic *haptic, const double x[3], double out[3])
 {
@@ -290,6 +291,8 @@ static void patch_pose(const ss_haptic *haptic, const double x[3], double out[3]
     if (slip->share < 1.0) {
         ss_madd3(out, out, fmax(0.0, slip->length), slip->direction);
     }
+    const ss_local_contact_other *other = &haptic->local.other;
+    ss_madd3(out, out, other->share / haptic->yield.spring, other->force);
 }
 
 /* Does the tool touch, where it was placed? */
@@ -465,12 +468,15 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
     const double damper = config->damping / config->period;
     const ss_slip *slip = &haptic->slip;
     *balance = (ss_balance){.spring = haptic->yield.spring + damper, .limit = slip->limit};
-    ss_add3(balance->decaying, haptic->local.residual, haptic->local.released);
+    double beside[3];
+    ss_local_contact_follow_other(&haptic->local, config->period, slip->limit);
+    ss_madd3(beside, haptic->local.residual, haptic->local.other.share, haptic->local.other.force);
+    ss_add3(balance->other, beside, haptic->local.released);
     for (int i = 0; i < 3; ++i) {
         /* What a grasp let go leaves is felt, and does not move the proxy. */
         const double rest = x[i] + slip->aside[i] + haptic->yield.rest[i];
         const double pull = haptic->yield.spring * rest + config->damping * v[i] +
-                            damper * haptic->p[i] + haptic->local.residual[i];
+                            damper * haptic->p[i] + beside[i];
         balance->p_free[i] = pull / balance->spring;
     }
     if (slip->share < 1.0) {
@@ -513,7 +519,7 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     double along[3], hand[3];
     ss_add3(hand, x, haptic->slip.aside);
     ss_yield_take(&haptic->yield, hand, rest.p);
-    ss_sub3(along, out_force, balance.decaying);
+    ss_sub3(along, out_force, balance.other);
     ss_slip_take(&haptic->slip, &balance, &rest, along, haptic->yield.spring, config->period);
     ss_local_contact_settle(local, haptic->slip.direction, ss_norm3(along));
     ss_local_contact_force(local, out_force);

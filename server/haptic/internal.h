@@ -68,11 +68,19 @@ typedef struct ss_local_contact_held {
     double value[3];      /* N, F(p) of the last tick */
 } ss_local_contact_held;
 
+/* What pushes the tool beside its contacts: of the last result, and as far as it acts by now. */
+typedef struct ss_local_contact_other {
+    double model_force[3], model_torque[3]; /* N, N m */
+    double force[3], torque[3];
+    double share; /* of these, that the hand feels */
+} ss_local_contact_other;
+
 typedef struct ss_local_contact {
     bool is_known; /* a result was taken since the proxy was placed */
     int32_t count;
     ss_local_contact_point contact[SS_MAX_CONTACTS];
     ss_local_contact_held held;
+    ss_local_contact_other other;
     bool is_apart;        /* entering, or at the limit */
     int64_t tick;         /* of the result */
     double result_period; /* s, h */
@@ -107,9 +115,9 @@ typedef struct ss_balance {
     bool is_held;
     double held_force[3]; /* N, of the grasp at p_free */
     double held_slope[3][3];
-    /* N, R: on the hand whatever the proxy does. An update's share of p_free is in it; a grasp's,
-     * once let go, moves nothing. */
-    double decaying[3];
+    /* N, R: on the hand whatever the proxy does: what decays, and what acts beside the contacts.
+     * Their shares of p_free are in it, but a grasp's, once let go: it moves nothing. */
+    double other[3];
     double limit; /* N, L > 0: of the force on the hand */
     /* Along which the spring softens, unit: the local contact model's force of the tick before; 0:
      * of this one. */
@@ -140,6 +148,8 @@ void ss_local_contact_begin(ss_local_contact *local, const double x[3], const do
 void ss_local_contact_hold(ss_local_contact *local, const double p[3], const double pdot[3]);
 void ss_local_contact_release(ss_local_contact *local, const double x[3], const double p[3],
                               const double pdot[3], double limit);
+/* Moves what acts beside the contacts on by a period, with the limit L (N) of the whole force. */
+void ss_local_contact_follow_other(ss_local_contact *local, double period, double limit);
 /* Writes the rows of the balance for the pose used `x`, the last proxy `p` and p_free. */
 void ss_local_contact_rows(ss_local_contact *local, double period, const double x[3],
                            const double p[3], ss_balance *balance);

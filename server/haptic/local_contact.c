@@ -20,6 +20,12 @@
  * turned, a contact that vanished) goes into a vector that decays alike. Rejected: blending two
  * laws by their forces, which softens both.
  *
+ * What pushes the tool beside its contacts comes to hand and proxy as it is, smoothed like an
+ * update, and ends with them. Rejected: contacts turned to the whole force (where the tissue comes
+ * off the tool that lies across the surface, and a law along it is blind to the way in: a kidney
+ * whose limit was lowered threw the proxy to and fro between reactions of 1 and 15 N); handing it
+ * to the hand alone (the coupling's stretch then turns with the contact and works for nobody).
+ *
  * hold and linear balance the proxy by the same law; only the force that they hand out is another.
  *
  * A grasp replaces the contacts by one tensor law without max(0, .): the reference force and point
@@ -181,7 +187,8 @@ static double extrapolated_force(const ss_local_contact *local, const ss_local_c
 
 void ss_local_contact_force(const ss_local_contact *local, double out[3])
 {
-    ss_add3(out, local->residual, local->released);
+    ss_madd3(out, local->residual, local->other.share, local->other.force);
+    ss_add3(out, out, local->released);
     for (int32_t i = 0; i < local->count; ++i) {
         ss_madd3(out, out, local->contact[i].value, local->contact[i].direction);
     }
@@ -201,12 +208,13 @@ void ss_local_contact_settle(ss_local_contact *local, const double direction[3],
         return;
     }
     ss_scale3(local->residual, local->outward, fmax(0.0, ss_dot3(local->residual, local->outward)));
+    local->other.share = 0.0;
 }
 
 void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic_config *config,
                                   int64_t tick, double out[3])
 {
-    ss_copy3(out, local->released);
+    ss_madd3(out, local->released, local->other.share, local->other.force);
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
         ss_madd3(out, out, extrapolated_force(local, c, config, tick), c->direction);
@@ -215,7 +223,7 @@ void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic
 
 void ss_local_contact_torque(const ss_local_contact *local, double out[3])
 {
-    ss_set3(out, 0.0, 0.0, 0.0);
+    ss_scale3(out, local->other.torque, local->other.share);
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
         double arm[3], force[3], torque[3];
@@ -244,6 +252,11 @@ uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash)
                                     local->residual,   local->released,    local->outward};
     const double number[] = {local->slowness, local->viscous};
     const uint8_t flag[] = {local->held.is_held, (uint8_t)local->free_ticks};
+    const ss_local_contact_other *other = &local->other;
+    if (ss_norm3(other->force) > 0.0 || ss_norm3(other->torque) > 0.0) {
+        hash = ss_hash_bytes(hash, other->force, sizeof other->force);
+        hash = ss_hash_bytes(hash, other->torque, sizeof other->torque);
+    }
     for (int32_t i = 0; i < local->count; ++i) {
         const double contact[2] = {local->contact[i].value, local->contact[i].offset};
         hash = ss_hash_bytes(hash, contact, sizeof contact);
@@ -391,7 +404,8 @@ static void held_force(const ss_local_contact_held *held, const double p[3], con
 void ss_local_contact_hold(ss_local_contact *local, const double p[3], const double pdot[3])
 {
     ss_local_contact_held *held = &local->held;
-    ss_set3(held->force, 0.0, 0.0, 0.0);
+    ss_scale3(held->force, local->other.force, local->other.share);
+    memset(&local->other, 0, sizeof local->other);
     for (int32_t i = 0; i < local->count; ++i) {
         ss_madd3(held->force, held->force, local->contact[i].value, local->contact[i].direction);
     }
@@ -516,6 +530,8 @@ void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result
     local->count = result->set.count;
     local->tick = result->tick;
     local->depth = result->set.depth;
+    ss_copy3(local->other.model_force, result->set.other_force);
+    ss_copy3(local->other.model_torque, result->set.other_torque);
     local->result_period = fmin(0.5, fmax(config->period, result->period));
     ss_copy3(local->proxy, result->proxy);
     ss_copy3(local->velocity, result->velocity);
@@ -540,6 +556,31 @@ void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result
     } else if (!is_fresh) {
         keep_force(local, &old, source, x, p, pdot);
     }
+}
+
+/* As an update of a contact does, it comes by the offsets' time. It goes with the contacts as they
+ * end, draws no tool in, and at the limit makes as much of the force as it does of the model's. */
+void ss_local_contact_follow_other(ss_local_contact *local, double period, double limit)
+{
+    ss_local_contact_other *other = &local->other;
+    double whole[3], force = 0.0, model_force = 0.0, inward = 0.0;
+    const double kept = exp(-period / offset_time(local));
+    for (int i = 0; i < 3; ++i) {
+        other->force[i] = other->model_force[i] + kept * (other->force[i] - other->model_force[i]);
+        other->torque[i] =
+            other->model_torque[i] + kept * (other->torque[i] - other->model_torque[i]);
+    }
+    ss_copy3(whole, other->force);
+    for (int32_t i = 0; i < local->count; ++i) {
+        const ss_local_contact_point *c = &local->contact[i];
+        force += c->value;
+        model_force += fmax(0.0, c->force);
+        inward = fmax(inward, -ss_dot3(other->force, c->direction));
+        ss_madd3(whole, whole, fmax(0.0, c->force), c->normal);
+    }
+    const double size = ss_norm3(whole), full = fmax(model_force, inward);
+    other->share = force < full ? force / full : force > 0.0 ? 1.0 : 0.0;
+    other->share = fmin(other->share, size > limit ? limit / size : 1.0);
 }
 
 void ss_local_contact_rows(ss_local_contact *local, double period, const double x[3],

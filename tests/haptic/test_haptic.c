@@ -146,6 +146,62 @@ static void updates_are_continuous_and_decay(void **state)
     rig_end(&r);
 }
 
+/* A touch at `depth` that the tissue also pushes aside and turns; a result a tick. Returns the
+ * largest step of the force. */
+static double push_aside(rig *r, double depth, int ticks)
+{
+    double most = 0.0;
+    for (int i = 0; i < ticks; ++i) {
+        rig_result(r, 300.0, depth, 1);
+        ss_contact_set *set = &r->result.set;
+        if (depth > 0.0) {
+            set->other_force[0] = 0.6;
+            set->other_torque[1] = 0.02;
+            ss_add3(set->force, set->force, set->other_force);
+        }
+        const double before[3] = {r->out.force.force[0], r->out.force.force[1],
+                                  r->out.force.force[2]};
+        (void)rig_tick(r, -depth);
+        double change[3];
+        ss_sub3(change, r->out.force.force, before);
+        most = fmax(most, ss_norm3(change));
+        assert_true(r->out.force.force[2] >= 0.0);
+    }
+    return most;
+}
+
+/* It comes without a step, carries the proxy with it, ends with the contact, and has its share of
+ * the limit. */
+static void what_pushes_beside_the_contacts_is_felt(void **state)
+{
+    (void)state;
+    ss_haptic_config config = default_config();
+    config.tool_gyration = 0.005;
+    rig r;
+    rig_start(&r, &config);
+    const double pressed = rig_press(&r, 300.0, 4e-3);
+    assert_true(push_aside(&r, 4e-3, 100) <= 0.6 * (1.0 - exp(-0.25)) + 1e-9);
+    const double spring = pressed / (r.out.target.proxy[2] + 4e-3);
+    const double share = pressed / (300.0 * 4e-3); /* the proxy is a little less deep */
+    assert_true(share > 0.9);
+    assert_near(r.out.force.force[0], 0.6 * share, 1e-6);
+    assert_near(r.out.force.force[2], pressed, 1e-6);
+    assert_near(r.out.force.torque[1], 0.02 * share, 1e-6);
+    assert_near(r.out.target.proxy[0], 0.6 * share / spring, 1e-7);
+    config.max_force = 0.5;
+    ss_haptic_configure(r.haptic, &config);
+    (void)push_aside(&r, 4e-3, 400);
+    assert_near(ss_norm3(r.out.force.force), 0.5, 1e-6);
+    assert_near(r.out.force.force[0], 0.5 * 0.6 / hypot(0.6, 300.0 * 4e-3), 0.01);
+    config.max_force = 8.0;
+    ss_haptic_configure(r.haptic, &config);
+    (void)push_aside(&r, 4e-3, 400);
+    assert_near(r.out.force.force[0], 0.6 * share, 1e-6);
+    (void)push_aside(&r, -1e-3, 60);
+    assert_near(ss_norm3(r.out.force.force), 0.0, 0.0);
+    rig_end(&r);
+}
+
 /* The tissue answers after the hand has come to rest: what is held back at the first result is let
  * in, however often results come. */
 static void a_touch_that_is_found_at_rest_is_let_in(void **state)
@@ -305,6 +361,7 @@ static void absurd_numbers_stay_finite(void **state)
         ss_contact *c = &r.result.set.contact[0];
         c->force = pow(10.0, uniform(-300, 300));
         c->viscosity = uniform(-1e9, 1e9);
+        r.result.set.other_force[0] = pow(10.0, uniform(-300, 300));
         c->curvature[0][1] = pow(10.0, uniform(-300, 300));
         r.result.period = pow(10.0, uniform(-9, 3));
         r.result.set.is_held = i % 7 == 0;
@@ -385,6 +442,7 @@ int main(void)
         cmocka_unit_test(touch_and_leaving_are_continuous),
         cmocka_unit_test(law_errs_high),
         cmocka_unit_test(updates_are_continuous_and_decay),
+        cmocka_unit_test(what_pushes_beside_the_contacts_is_felt),
         cmocka_unit_test(a_touch_that_is_found_at_rest_is_let_in),
         cmocka_unit_test(curved_patch_bends_height_and_normal),
         cmocka_unit_test(grasp_starts_without_jump_and_holds_all_ways),

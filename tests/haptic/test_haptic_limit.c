@@ -154,12 +154,12 @@ static void limited_balance_meets_its_conditions(void **state)
             random_grasp(&b);
         }
         for (int r = 0; n % 3 == 0 && r < 3; ++r) {
-            b.decaying[r] = uniform(-0.2, 0.2);
+            b.other[r] = uniform(-0.2, 0.2);
         }
         ss_coupling_balance(&b, &open);
         ss_sub3(d, open.p, b.p_free);
         law_at(&b, d, axis);
-        ss_add3(whole, axis, b.decaying);
+        ss_add3(whole, axis, b.other);
         const double size = ss_norm3(whole);
         b.limit = uniform(0.4, 8.0);
         (void)ss_normalize3(axis);
@@ -167,7 +167,7 @@ static void limited_balance_meets_its_conditions(void **state)
         most_passes = passes > most_passes ? passes : most_passes;
         ss_sub3(d, rest.p, b.p_free);
         law_at(&b, d, local);
-        ss_add3(whole, local, b.decaying);
+        ss_add3(whole, local, b.other);
         if (size <= b.limit) {
             assert_true(rest.share == 1.0);
             continue;
@@ -221,7 +221,7 @@ static void a_law_without_stiffness_keeps_the_proxy_near(void **state)
     assert_near(rest.p[2], 5.0 / 2000.0, 1e-15);
     assert_near(rest.share, 1.0, 0.0);
     b.is_held = false;
-    ss_set3(b.decaying, 0.0, 3.0, 0.0);
+    ss_set3(b.other, 0.0, 3.0, 0.0);
     ss_coupling_balance(&b, &rest);
     assert_near(ss_norm3(rest.p), 0.0, 0.0);
 }

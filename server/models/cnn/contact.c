@@ -149,6 +149,23 @@ static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3])
     return fmin(viscosity, MAX_VISCOUS_TIME * tool->base->felt);
 }
 
+/* The contacts are the samples' alone. The forces through the weights push the tool too: most of
+ * them across the contacts, where the tissue is soft on one side, as at a thin edge. */
+static void set_other_force(const double origin[3], ss_contact_set *set)
+{
+    ss_copy3(set->other_force, set->force);
+    ss_copy3(set->other_torque, set->torque);
+    for (int32_t k = 0; k < set->count; ++k) {
+        const ss_contact *contact = &set->contact[k];
+        double arm[3], force[3], torque[3];
+        ss_scale3(force, contact->normal, contact->force);
+        ss_sub3(arm, contact->point, origin);
+        ss_cross3(torque, arm, force);
+        ss_sub3(set->other_force, set->other_force, force);
+        ss_sub3(set->other_torque, set->other_torque, torque);
+    }
+}
+
 void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
 {
     ss_tool *tool = ss_tools_find(&model->tools, probe, out);
@@ -160,6 +177,9 @@ void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set
     if (ss_tool_fill_contacts(tool, model->u, near, out, normal)) {
         const double viscosity = feel(model, &model->tool[probe], normal);
         ss_contact_set_share(out, normal, tool->felt, viscosity);
+        if (tool->grasp.count == 0) { /* one that lets go fades in the haptic loop */
+            set_other_force(tool->pose.position, out);
+        }
     }
     tool->was_touching = ss_tool_is_touching(tool);
 }

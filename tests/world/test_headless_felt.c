@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * Is what a hand feels at rest the whole of what the tissue of cnn-energy puts on the tool? Presses
+ * at a thin edge and at a rounded one, where the forces through the source weights push the tool
+ * aside, and with a long tool. What a contact set hands over, its contacts and what acts beside
+ * them, is the model's reaction; the force that is sent is too; and under a hand that stands still
+ * the tissue comes to rest: the pair of proxy and tissue does not swing.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "common/effort.h"
+#include "press_fixture.h"
+#include "rt/vec.h"
+#include "world/world.h"
+
+/* Of the reaction. */
+#define HANDED 1e-6
+#define FELT   0.01
+enum { TICKS = 1600 };
+
+typedef struct place {
+    const char *name, *mesh, *model, *shape;
+    double origin[3], in[3]; /* m, on the surface; unit, into the tissue */
+    double held[4];          /* m, a ball about what is held */
+    double touch, depth;     /* m */
+    double least;            /* share of the reaction that acts beside the contacts, at least */
+} place;
+
+#define SKIN                                                                                       \
+    "  name: cnn-energy\n  modulus_j: 5\n  rho: 1\n  area_density_kg_m2: 11.5\n"                   \
+    "  damping_n_s_per_m3: 1725\n"
+#define LIVER                                                                                      \
+    "liver.obj",                                                                                   \
+        SKIN "  pretension_j: 0.5\n  enclosed_bulk_pa: 1000\n  rest_stiffness_n_per_m3: 2.0e+4\n"
+#define KIDNEY                                                                                     \
+    "kidney.obj",                                                                                  \
+        SKIN "  pretension_j: 1\n  enclosed_bulk_pa: 3000\n  rest_stiffness_n_per_m3: 5.0e+4\n"
+#define AT_EDGE                                                                                    \
+    {-0.06182, 0.05295, -0.01443}, {0.3850, -0.8135, 0.4360},                                      \
+    {                                                                                              \
+        -0.04, 0.06, 0.005, 0.03                                                                   \
+    }
+
+static const place places[] = {
+    {"liver's edge", LIVER, "sphere: {radius_mm: 8}", AT_EDGE, 0.008, 0.020, 0.3},
+    {"liver's edge, deeper", LIVER, "sphere: {radius_mm: 8}", AT_EDGE, 0.008, 0.025, 0.3},
+    {"kidney",
+     KIDNEY,
+     "sphere: {radius_mm: 5}",
+     {0.02245, -0.02049, -0.01326},
+     {0.1677, 0.7326, 0.6597},
+     {0.0, -0.017, 0.0, 0.015},
+     0.005,
+     0.015,
+     0.1},
+    {"kidney, a capsule",
+     KIDNEY,
+     "capsule: {radius_mm: 5, length_mm: 20}",
+     {0.02245, -0.02049, -0.01326},
+     {0.1677, 0.7326, 0.6597},
+     {0.0, -0.017, 0.0, 0.015},
+     0.005,
+     0.010,
+     0.1},
+};
+enum { PLACES = sizeof places / sizeof *places };
+
+static softsim_world *make_place(const place *p)
+{
+    char text[2048];
+    softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    (void)snprintf(text, sizeof text,
+                   "softsim: 1\n"
+                   "object:\n  mesh: " SOURCE_DIR "/server/scenes/%s\n  units: mm\n"
+                   "  fixed: [{sphere: {center_m: [%g, %g, %g], radius_m: %g}}]\n"
+                   "model:\n%s"
+                   "contact:\n  tools: [{probe: 0, shape: {%s}}]\n  working_force_n: 2\n"
+                   "haptic: {max_force_n: 8, coupling: {stiffness_n_per_m: 800}}\n",
+                   p->mesh, p->held[0], p->held[1], p->held[2], p->held[3], p->model, p->shape);
+    config.import_program = BIN_DIR "/softsim-import";
+    softsim_world *world = softsim_create(write_text("place.yaml", text), &config, &error);
+    if (world == NULL) {
+        fail_msg("%s: %s", p->name, error.text);
+    }
+    return world;
+}
+
+/* Force and torque that a set hands over, about `origin`. */
+static void sum_handed(const ss_contact_set *set, const double origin[3], double force[3],
+                       double torque[3])
+{
+    ss_copy3(force, set->other_force);
+    ss_copy3(torque, set->other_torque);
+    for (int32_t k = 0; k < set->count; ++k) {
+        double one[3], arm[3], turn[3];
+        ss_scale3(one, set->contact[k].normal, set->contact[k].force);
+        ss_sub3(arm, set->contact[k].point, origin);
+        ss_cross3(turn, arm, one);
+        ss_add3(force, force, one);
+        ss_add3(torque, torque, turn);
+    }
+}
+
+static double difference(const double a[3], const double b[3])
+{
+    double d[3];
+    ss_sub3(d, a, b);
+    return ss_norm3(d);
+}
+
+static bool is_place_good(const place *p)
+{
+    softsim_world *world = make_place(p);
+    const ss_local_model *result = &((const ss_world *)world)->probe[0].computed;
+    softsim_force force = {.seq = 0};
+    double handed[3], torque[3];
+    for (int n = 0; n < TICKS; ++n) {
+        const double depth = fmin(p->depth, 0.05e-3 * n - 0.005);
+        double x[3];
+        ss_madd3(x, p->origin, depth - p->touch, p->in);
+        softsim_pose pose = pose_of(n + 1, x);
+        pose.utime_us = 1000 * (int64_t)n;
+        pose.force_seq = force.seq > 0 ? force.seq : -1;
+        force = feel(world, &pose);
+    }
+    const double size = ss_norm3(result->set.force);
+    sum_handed(&result->set, result->proxy, handed, torque);
+    const double beside = ss_norm3(result->set.other_force) / size;
+    const double left_out = difference(handed, result->set.force) / size;
+    const double turn_left_out = difference(torque, result->set.torque) / (size * p->touch);
+    const double unfelt = difference(force.force, force.model_force) / size;
+    const double unfelt_turn =
+        ss_norm3(force.torque) > 0.0
+            ? difference(force.torque, result->set.torque) / (size * p->touch)
+            : 0.0;
+    const bool is_good = left_out <= HANDED && turn_left_out <= HANDED && unfelt <= FELT &&
+                         unfelt_turn <= FELT && beside >= p->least;
+    print_message(
+        "%s: %.3f N, %.1f %% of it beside the contacts; not handed %.2g, torque %.2g; not "
+        "felt %.2f %%, torque %.2f %%%s\n",
+        p->name, size, 1e2 * beside, left_out, turn_left_out, 1e2 * unfelt, 1e2 * unfelt_turn,
+        is_good ? "" : ": BAD");
+    softsim_destroy(&world);
+    return is_good;
+}
+
+static void the_whole_reaction_is_felt(void **state)
+{
+    (void)state;
+    bool is_good = true;
+    for (int k = 0; k < FULL_IN_RELEASE(PLACES, 1); ++k) {
+        is_good = is_place_good(&places[k]) && is_good;
+    }
+    assert_true(is_good);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_whole_reaction_is_felt),
+    };
+    return cmocka_run_group_tests_name("felt", tests, make_folder, remove_folder);
+}
