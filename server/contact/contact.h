@@ -254,6 +254,8 @@ typedef struct ss_contact_set {
     /* Of force and torque, what the contacts do not have: models whose samples are not all that
      * pushes the tool. 0 while held. */
     double other_force[3], other_torque[3];
+    /* N/m, that the tool meets in a step, before the tissue yields; 0: not told. */
+    double step_stiffness;
 } ss_contact_set;
 
 /* The points, normals, depths and forces of the last ss_contact_query_penalty, reduced to at most

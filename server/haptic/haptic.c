@@ -91,8 +91,9 @@ static bool is_result_finite(const ss_local_model *result)
                    ss_is_finite(result->velocity, 3) && ss_is_finite(set->force, 3) &&
                    ss_is_finite(set->torque, 3) && ss_is_finite(set->other_force, 3) &&
                    ss_is_finite(set->other_torque, 3) && isfinite(set->depth) &&
-                   isfinite(set->engulfed) && ss_is_finite(set->point, 3) &&
-                   ss_is_finite(result->outward, 3) && ss_is_finite(set->normal, 3);
+                   isfinite(set->step_stiffness) && isfinite(set->engulfed) &&
+                   ss_is_finite(set->point, 3) && ss_is_finite(result->outward, 3) &&
+                   ss_is_finite(set->normal, 3);
     for (int32_t i = 0; is_good && i < set->count && i < SS_MAX_CONTACTS; ++i) {
         const ss_contact *c = &set->contact[i];
         const double scalar[5] = {c->force, c->stiffness, c->tangential, c->viscosity, c->gap};
@@ -282,8 +283,9 @@ static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
 }
 
 /* Where the patches of the local contact model are taken: at the pose used, moved as far as the
- * limit and a grasp that was let go have the proxy slip, and what acts beside the contacts. A hand far beyond the limit would else
- * bend the surface as it is at the hand: the tissue was pressed with half of the limit. */
+ * limit and a grasp that was let go have the proxy slip, and what acts beside the contacts. A hand
+ * far beyond the limit would else bend the surface as it is at the hand: the tissue was pressed
+ * with half of the limit. */
 static void patch_pose(const ss_haptic *haptic, const double x[3], double out[3])
 {
     const ss_slip *slip = &haptic->slip;
@@ -838,9 +840,10 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         ss_passivity_step(&haptic->passivity, &haptic->observer, haptic->config.period,
                           ss_local_contact_active_count(&haptic->local) > 0);
         step_gate(haptic, input, begins);
-        ss_local_contact_decay(&haptic->local, haptic->config.period,
-                               haptic->slip.share < 1.0 ? 1.0
-                                                        : ss_admission_left(&haptic->admission));
+        ss_local_contact_decay(
+            &haptic->local, haptic->config.period,
+            haptic->slip.share < 1.0 ? 1.0 : ss_admission_left(&haptic->admission),
+            haptic->yield.spring + haptic->config.damping / haptic->config.period);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
         update_grasp(haptic, input, is_fresh, x, v);

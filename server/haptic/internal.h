@@ -81,10 +81,12 @@ typedef struct ss_local_contact {
     ss_local_contact_point contact[SS_MAX_CONTACTS];
     ss_local_contact_held held;
     ss_local_contact_other other;
-    bool is_apart;        /* entering, or at the limit */
-    int64_t tick;         /* of the result */
-    double result_period; /* s, h */
-    double slowness;      /* s, of the offsets' decay; left by the limit or an entry */
+    bool is_apart;         /* entering, or at the limit */
+    int64_t tick;          /* of the result */
+    double result_period;  /* s, h */
+    double step_stiffness; /* N/m, of the last result */
+    double offset_time;    /* s, of this tick */
+    double slowness;       /* s, of the offsets' decay; left by the limit or an entry */
     /* Share of the viscosities that counts. None for a proxy that is about to jump or has: one that
      * rests at the limit joins a hand that comes out in one tick; one found inside goes out to the
      * surface, and the next result's velocity is that way in a period. What they would say comes
@@ -134,8 +136,9 @@ typedef struct ss_rest {
 
 void ss_local_contact_clear(ss_local_contact *local);
 /* Lets offsets decay by one period; slower, and the viscosities fade, where the proxy is not where
- * the hand would have it: `apart` 1 at the limit, 1 to 0 while entering. */
-void ss_local_contact_decay(ss_local_contact *local, double period, double apart);
+ * the hand would have it: `apart` 1 at the limit, 1 to 0 while entering. `spring` (N/m): the
+ * coupling's, damper included. */
+void ss_local_contact_decay(ss_local_contact *local, double period, double apart, double spring);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
 void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result,

@@ -202,6 +202,52 @@ static void what_pushes_beside_the_contacts_is_felt(void **state)
     rig_end(&r);
 }
 
+/* Soft tissue that yields in 5 ms under a contact of 20 kN/m, which is told to the haptic loop or
+ * not: the most that a reaction changes in a tick under a hand that stands still, of the force. */
+static double swing_of(double told)
+{
+    const double contact = 2e4, tissue = 1000.0, drag = 100.0;
+    ss_haptic_config config = default_config();
+    config.stiffness = 500.0;
+    config.damping = 2.0;
+    rig r;
+    rig_start(&r, &config);
+    double surface = 0.0, reaction = 0.0, most = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+        const double depth = fmin(8e-3, 2e-5 * i) - 1e-3;
+        if (i > 0) {
+            const double p = r.out.target.proxy[2], last = reaction;
+            /* c s' = -k s - F: the step is exact for a tool that stands still. */
+            const double rest = contact * p / (contact + tissue);
+            const double to = surface >= p ? rest : 0.0;
+            const double rate = (tissue + (surface >= p ? contact : 0.0)) / drag;
+            surface = fmax(to + (surface - to) * exp(-rate * T), p);
+            reaction = contact * (surface - p);
+            rig_result(&r, tissue * contact / (tissue + contact), reaction > 0.0 ? 0.0 : p, 0);
+            r.result.proxy[2] = p;
+            r.result.set.step_stiffness = told;
+            r.result.set.contact[0].gap = reaction > 0.0 ? 0.0 : fmax(0.0, p - surface);
+            r.result.set.contact[0].force = r.result.set.force[2] = reaction;
+            most = i > 2500 ? fmax(most, fabs(reaction - last)) : 0.0;
+        }
+        (void)rig_tick(&r, -depth);
+    }
+    const double force = r.out.force.force[2];
+    rig_end(&r);
+    assert_true(force > 1.0);
+    return most / force;
+}
+
+static void a_stiff_contact_on_soft_tissue_does_not_swing(void **state)
+{
+    (void)state;
+    const double still = swing_of(2e4), swinging = swing_of(0.0);
+    print_message("a contact of 20 kN/m on 1 kN/m: %.2g of the force a tick, %.2g untold\n", still,
+                  swinging);
+    assert_true(still <= 1e-3);
+    assert_true(swinging > 0.1);
+}
+
 /* The tissue answers after the hand has come to rest: what is held back at the first result is let
  * in, however often results come. */
 static void a_touch_that_is_found_at_rest_is_let_in(void **state)
@@ -362,6 +408,7 @@ static void absurd_numbers_stay_finite(void **state)
         c->force = pow(10.0, uniform(-300, 300));
         c->viscosity = uniform(-1e9, 1e9);
         r.result.set.other_force[0] = pow(10.0, uniform(-300, 300));
+        r.result.set.step_stiffness = pow(10.0, uniform(-300, 300));
         c->curvature[0][1] = pow(10.0, uniform(-300, 300));
         r.result.period = pow(10.0, uniform(-9, 3));
         r.result.set.is_held = i % 7 == 0;
@@ -443,6 +490,7 @@ int main(void)
         cmocka_unit_test(law_errs_high),
         cmocka_unit_test(updates_are_continuous_and_decay),
         cmocka_unit_test(what_pushes_beside_the_contacts_is_felt),
+        cmocka_unit_test(a_stiff_contact_on_soft_tissue_does_not_swing),
         cmocka_unit_test(a_touch_that_is_found_at_rest_is_let_in),
         cmocka_unit_test(curved_patch_bends_height_and_normal),
         cmocka_unit_test(grasp_starts_without_jump_and_holds_all_ways),

@@ -22,7 +22,8 @@
 /* Of the reaction. */
 #define HANDED 1e-6
 #define FELT   0.01
-enum { TICKS = 1600 };
+#define STEP   0.02 /* a tick, under a hand that stands still */
+enum { TICKS = 1600, SETTLED = 100 };
 
 typedef struct place {
     const char *name, *mesh, *model, *shape;
@@ -119,8 +120,9 @@ static bool is_place_good(const place *p)
 {
     softsim_world *world = make_place(p);
     const ss_local_model *result = &((const ss_world *)world)->probe[0].computed;
+    const int stop = (int)((p->depth + 0.005) / 0.05e-3) + SETTLED;
     softsim_force force = {.seq = 0};
-    double handed[3], torque[3];
+    double last[3] = {0.0, 0.0, 0.0}, step = 0.0, handed[3], torque[3];
     for (int n = 0; n < TICKS; ++n) {
         const double depth = fmin(p->depth, 0.05e-3 * n - 0.005);
         double x[3];
@@ -129,6 +131,8 @@ static bool is_place_good(const place *p)
         pose.utime_us = 1000 * (int64_t)n;
         pose.force_seq = force.seq > 0 ? force.seq : -1;
         force = feel(world, &pose);
+        step = n > stop ? fmax(step, difference(force.model_force, last)) : 0.0;
+        ss_copy3(last, force.model_force);
     }
     const double size = ss_norm3(result->set.force);
     sum_handed(&result->set, result->proxy, handed, torque);
@@ -141,12 +145,12 @@ static bool is_place_good(const place *p)
             ? difference(force.torque, result->set.torque) / (size * p->touch)
             : 0.0;
     const bool is_good = left_out <= HANDED && turn_left_out <= HANDED && unfelt <= FELT &&
-                         unfelt_turn <= FELT && beside >= p->least;
+                         unfelt_turn <= FELT && beside >= p->least && step <= STEP * size;
     print_message(
         "%s: %.3f N, %.1f %% of it beside the contacts; not handed %.2g, torque %.2g; not "
-        "felt %.2f %%, torque %.2f %%%s\n",
+        "felt %.2f %%, torque %.2f %%; %.2f %% a tick under a still hand%s\n",
         p->name, size, 1e2 * beside, left_out, turn_left_out, 1e2 * unfelt, 1e2 * unfelt_turn,
-        is_good ? "" : ": BAD");
+        1e2 * step / size, is_good ? "" : ": BAD");
     softsim_destroy(&world);
     return is_good;
 }

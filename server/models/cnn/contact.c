@@ -130,12 +130,13 @@ static double damping_met(const ss_model *model, const ss_real *y)
     return totals.kinetic;
 }
 
-/* Fills tool->base->felt for a push along `normal`; returns the viscosity. */
-static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3])
+/* Fills tool->base->felt for a push along `normal`; returns the viscosity. out_own: the contact's
+ * stiffness alone. */
+static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3], double *out_own)
 {
     const ss_cnn_part *part = model->part;
     memset(model->push, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
-    const double k_cc = ss_tool_push(tool->base, normal, model->push);
+    const double k_cc = *out_own = ss_tool_push(tool->base, normal, model->push);
     set_inverse(model);
     if (!tool->base->was_touching) {
         memset(tool->shape_y, 0, (size_t)model->node_count * 4 * sizeof(ss_real));
@@ -175,7 +176,7 @@ void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set
     double normal[3];
     ss_surface_refit(model->tools.surface, model->u);
     if (ss_tool_fill_contacts(tool, model->u, near, out, normal)) {
-        const double viscosity = feel(model, &model->tool[probe], normal);
+        const double viscosity = feel(model, &model->tool[probe], normal, &out->step_stiffness);
         ss_contact_set_share(out, normal, tool->felt, viscosity);
         if (tool->grasp.count == 0) { /* one that lets go fades in the haptic loop */
             set_other_force(tool->pose.position, out);
