@@ -38,9 +38,10 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info)
         } else if (probe->is_used && ss_contact_is_engulfed(set) &&
                    info->verdict < SOFTSIM_VERDICT_FAULT) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
-            info->reason = "a tool is inside the tissue and nothing holds it off: take it out; "
-                           "then press slower, refine the mesh there, lower haptic.max_force_n, or "
-                           "raise simulation.rate_hz";
+            info->reason =
+                "a tool is inside the tissue, through the surface that held it off: take "
+                "it out; then press slower, refine the mesh there, lower "
+                "haptic.max_force_n, or raise simulation.rate_hz";
         } else if (depth > THROUGH_SHARE * size && info->verdict < SOFTSIM_VERDICT_DEGRADED) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
             info->reason =

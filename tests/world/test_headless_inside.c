@@ -109,12 +109,14 @@ static int count_inside(softsim_world *world, const double p[3])
     return count;
 }
 
+/* By a reason that is right whether or not something in there, such as the far side's surface,
+ * presses on the tool. */
 static bool is_told(softsim_world *world, const softsim_force *force)
 {
     softsim_state now;
     softsim_read(world, &now);
     return now.verdict == SOFTSIM_VERDICT_DEGRADED &&
-           strstr(now.reason, "inside the tissue") != NULL &&
+           strstr(now.reason, "inside the tissue, through the surface") != NULL &&
            (force->flags & SOFTSIM_FORCE_CONTACT) != 0 && force->depth > RADIUS &&
            force->depth <= 1e-3 * size_mm[2];
 }
