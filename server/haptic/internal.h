@@ -53,6 +53,7 @@ typedef struct ss_local_contact_point {
     double curvature[3][3]; /* 1/m */
     double rate;            /* N/s, for linear extrapolation */
     double offset;          /* N, o */
+    double drift;           /* N, the offset's mean of some ms, at the limit */
     double direction[3];    /* n', the normal bent by the curvature */
     double value;           /* N, F(p) >= 0 of the last tick */
 } ss_local_contact_point;

@@ -497,6 +497,35 @@ static void a_hand_far_beyond_the_limit_presses_with_the_limit(void **state)
     }
 }
 
+/* A membrane that answers a move at once with 45 kN/m, and with 300 N/m in the end, as it says: a
+ * hand far beyond the limit does not have it swing. */
+static void a_membrane_at_the_limit_does_not_swing(void **state)
+{
+    (void)state;
+    ss_haptic_config config = default_config();
+    config.damping = 2.0;
+    config.stiffness = 800.0;
+    rig r;
+    rig_start(&r, &config);
+    const double at_once = 45000.0, in_the_end = 300.0, relaxing = 0.5;
+    double yielded = 0.0, least = INFINITY, most = 0.0;
+    for (int n = 0; n < 2000; ++n) {
+        const double depth = -r.out.target.proxy[2];
+        if (n > 0) {
+            const double force = fmax(0.0, at_once * (depth - yielded));
+            yielded += relaxing * (depth * (1.0 - in_the_end / at_once) - yielded);
+            rig_result(&r, in_the_end, depth, 1);
+            r.result.set.contact[0].force = r.result.set.force[2] = force;
+            least = n > 1500 ? fmin(least, force) : least;
+            most = n > 1500 ? fmax(most, force) : most;
+        }
+        (void)rig_tick(&r, 1e-3 - 61e-3 * fmin(1.0, n / 600.0));
+    }
+    print_message("membrane: %.2f to %.2f N at %g N\n", least, most, config.max_force);
+    assert_true(least > 0.95 * config.max_force && most < 1.05 * config.max_force);
+    rig_end(&r);
+}
+
 /* hold and linear cut the force, and their proxy stays where the tissue answers with the limit. */
 static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
 {
@@ -608,6 +637,7 @@ int main(void)
         cmocka_unit_test(a_grasp_let_go_never_reverses_the_force),
         cmocka_unit_test(a_contact_never_draws_the_hand_in),
         cmocka_unit_test(a_hand_far_beyond_the_limit_presses_with_the_limit),
+        cmocka_unit_test(a_membrane_at_the_limit_does_not_swing),
         cmocka_unit_test(hold_and_linear_keep_the_limit_and_the_proxy),
         cmocka_unit_test(a_changed_limit_is_reached_by_the_slew),
         cmocka_unit_test(force_is_limited_and_the_proxy_slips),

@@ -328,9 +328,10 @@ static void the_hash_tells_laws_apart(void **state)
         size_t offset, size;
     } cases[] = {
 #define CASE(field) {#field, offsetof(ss_local_contact, field), sizeof((ss_local_contact){0}.field)}
-        CASE(free_ticks),    CASE(outward),      CASE(residual),         CASE(released),
-        CASE(slowness),      CASE(viscous),      CASE(held.value),       CASE(held.offset),
-        CASE(held.position), CASE(held.is_held), CASE(contact[0].value), CASE(contact[0].offset),
+        CASE(free_ticks),       CASE(outward),      CASE(residual),         CASE(released),
+        CASE(slowness),         CASE(viscous),      CASE(held.value),       CASE(held.offset),
+        CASE(held.position),    CASE(held.is_held), CASE(contact[0].value), CASE(contact[0].offset),
+        CASE(contact[0].drift),
 #undef CASE
     };
     ss_local_contact local;
