@@ -103,7 +103,7 @@ static bool is_result_finite(const ss_local_model *result)
     return is_good;
 }
 
-/* Finite, but can it be meant? */
+/* Finite, but plausible? */
 static bool is_result_sound(const ss_local_model *result, int64_t tick)
 {
     if (result->set.count < 0 || result->set.count > SS_MAX_CONTACTS || result->tick > tick ||
@@ -125,7 +125,7 @@ static bool are_inputs_finite(const ss_haptic_input *input)
             return false;
         }
     }
-    /* A fault's numbers are not looked at. */
+    /* The values of a faulted result are never used. */
     return !input->is_result_new || input->result == NULL || input->result->is_fault ||
            is_result_finite(input->result);
 }
@@ -248,7 +248,7 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
         .period = haptic->config.period,
         .pose_tick = haptic->pose_tick,
         .is_paused = input->is_paused,
-        /* The same device elsewhere: down with the force, then in anew. */
+        /* The same device elsewhere: down with the force, then in again. */
         .is_reset = is_reset || begins.is_return || ss_slip_is_lost(&haptic->slip),
         .is_stopping = input->is_stopping,
         .is_new_holder = begins.is_new_holder,
@@ -549,7 +549,7 @@ static int32_t age_us(const ss_haptic *haptic, int64_t tick)
 }
 
 /* Normal, point and depth of the tissue's surface as of the last result, at the newest pose; of a
- * tool inside the tissue, the depth as of that result. As a plane it goes on for ever: a tool that
+ * tool inside the tissue, the depth as of that result. As a plane it has no end: a tool that
  * has come out on the far side while its proxy is held on this one is no deeper than the body is
  * thick. */
 static void write_surface(const ss_haptic *haptic, bool is_in_contact, bool is_engulfed,
@@ -859,7 +859,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
             book_entry(haptic, x, sent);
             remember_force(haptic, tick);
         } else {
-            /* The numbers overflowed: as a fault of the model, and the proxy begins anew. */
+            /* The numbers overflowed: as a fault of the model, and the proxy begins again. */
             ++haptic->bad_inputs;
             haptic->is_fault = true;
             place_proxy(haptic);

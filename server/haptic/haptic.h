@@ -45,7 +45,7 @@ typedef struct ss_haptic_input {
     const ss_local_model *result; /* newest result, NULL before the first */
     bool is_result_new;           /* it arrived since the last tick */
     bool is_paused;
-    uint32_t starts;  /* resets and resumes so far: after each, enter anew */
+    uint32_t starts;  /* resets and resumes so far: after each, enter again */
     bool is_stopping; /* ramp to zero and stay */
 } ss_haptic_input;
 

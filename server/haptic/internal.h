@@ -321,7 +321,7 @@ bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
 
 typedef enum ss_phase {
     SS_PHASE_SILENT,   /* no device: the tool is out of the world */
-    SS_PHASE_WAITING,  /* placed anew: no result for this place yet, no force */
+    SS_PHASE_WAITING,  /* placed again: no result for this place yet, no force */
     SS_PHASE_ENTERING, /* found in tissue: the depth fades in */
     SS_PHASE_IN,
     SS_PHASE_RAMPING /* down to zero, then silent or waiting */
@@ -340,7 +340,7 @@ typedef struct ss_admission {
     double held_back; /* share of the depth that a ramp found not yet let in */
 } ss_admission;
 
-/* What the admission learns in a tick. */
+/* What the admission is told in a tick. */
 typedef struct ss_admission_input {
     int64_t tick;
     double period;

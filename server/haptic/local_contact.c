@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * The local law: what the tissue answers between two results of the simulation.
+ * The local contact model: what the tissue answers between two results of the simulation.
  *
  * A result says: stepped to proxy p_k, moving at v_k, the contact at c with normal n gave force f,
  * tangent stiffness k_n, viscosity B, and the surface at rest bends by S. Until the next result
- *   F(p) = max(0, f - k (n.(p - p_k) - h) - B n.(pdot - v_k) + o),
- *   h = 1/2 D^T S D,   D = tangential part of x - p_k (|D| <= 5 mm),   n' ~ n - S D,
- * which is affine in p with the height taken at the pose used and the motion from there along n':
- *   n.(p - p_k) - h  ->  n.(x - p_k) - h + n'.(p - x),    pdot -> n'.(p - p-)/T.
+ *   F(p) = max(0, f - k (n.(p - p_k) - s) - B n.(pdot - v_k) + o),
+ *   s = 1/2 D^T S D,   D = tangential part of x - p_k (|D| <= 5 mm),   n' ~ n - S D,
+ * which is affine in p with the height s taken at the pose used and the motion from there along n':
+ *   n.(p - p_k) - s  ->  n.(x - p_k) - s + n'.(p - x),    pdot -> n'.(p - p-)/T.
  * (The normal n' is the gradient of the height that the force follows, so that the balance has a
  * potential and its matrix is symmetric.) Near but not touching: f = -k gap.
  *
@@ -17,8 +17,8 @@
  *
  * An update must not be felt: the offset o makes up for what the local contact model changed at the
  * last proxy and decays within milliseconds. What per-contact offsets cannot carry (a normal that
- * turned, a contact that vanished) goes into a vector that decays alike. Rejected: blending two
- * laws by their forces, which softens both.
+ * turned, a contact that vanished) goes into a vector that decays in the same way. Rejected:
+ * blending two laws by their forces, which softens both.
  *
  * What pushes the tool beside its contacts comes to hand and proxy as it is, smoothed like an
  * update, and ends with them. Rejected: contacts turned to the whole force (where the tissue comes
@@ -61,7 +61,7 @@
 /* s, tau while the force is at its limit. The proxy then goes where the tissue answers with the
  * limit, and the offsets' decay is the gain of that loop: with 4 ms it swings where the touched
  * tissue is heavy (a ventricle of soft tissue at 0.5 N: reactions of 0 to 14 times the limit), with
- * 30 ms in a lattice of springs, from 60 ms on in none of the models. Likewise while entering,
+ * 30 ms in a lattice of springs, from 60 ms on in none of the models. The same while entering,
  * where tissue springs back against the tool: undelayed that steps a held ventricle by 6 % a tick.
  */
 #define APART_TIME 0.060
@@ -78,7 +78,8 @@
 #define NEGLIGIBLE_TIME 1e-6 /* s: and here what slowed it */
 /* s, B <= 3 ms x k_n. A fast simulation's step tangent is mostly the inertia of the touched tissue;
  * times the steps of a quantised position it is noise: at 1000 Hz 3.3 % buzz and 18 % continuity
- * with 10 ms, 2.4 and 9 % with 3 ms, and no more stability from either. */
+ * (metrics of bench/latency) with 10 ms, 2.4 and 9 % with 3 ms, and no more stability from either.
+ */
 #define VISCOSITY_TIME 0.003
 
 void ss_local_contact_clear(ss_local_contact *local)
@@ -502,10 +503,9 @@ static void take_held(ss_local_contact *local, const ss_local_model *result, con
     ss_sub3(held->offset, held->value, now);
 }
 
-/* What contact `i` says now. At 0 and held back it goes by its own law, in which the offset has
- * decayed since: a hand at rest would else wait for ever for what results at every tick hold back
- * anew. While entering, where the hand is let in by and by, and at the limit, it stays held back.
- */
+/* What contact `i` exerts now. If it was held back at zero, re-evaluate its law: the offset has
+ * decayed since. Otherwise, with a result every tick, a resting hand would never get its force.
+ * While entering, or at the limit, it stays at zero. */
 static double value_now(const ss_local_contact *local, int32_t i, const double x[3],
                         const double p[3], const double pdot[3])
 {

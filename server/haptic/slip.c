@@ -19,7 +19,7 @@
 #define STAY_TIME 0.025
 /* s: in which a proxy beside the hand comes over it. */
 #define ASIDE_TIME 0.1
-/* m: so far beside, it does not come over: the force goes down, and the tool begins anew where the
+/* m: so far beside, it does not come over: the force goes down, and the tool begins again where the
  * hand is. A button that is pressed again before the proxy has come over adds to what is left: one
  * that bounced every 3 ms on a hand that shook took the tool 0.6 m away. */
 #define LOST 0.05
@@ -38,8 +38,8 @@ void ss_slip_clear(ss_slip *slip)
     slip->has_let_go = false;
 }
 
-/* Down as fast as the force may. Up as fast as the coupling's stiffness let it, a kidney was
- * pressed at .3 m/s and answered with 14 % more than where it came to rest. */
+/* Lowering is limited by the slew alone. If raising were limited only by the coupling's stiffness,
+ * a kidney pressed at 0.3 m/s gave 14 % more than its resting force. */
 bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, double size,
                     double stiffness)
 {
@@ -73,7 +73,7 @@ void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
                   const double force[3], double spring, double period)
 {
     const bool is_limited = rest->share < 1.0;
-    /* Rounding points nowhere. */
+    /* A force at rounding level has no direction. */
     const double size = ss_norm3(force);
     const bool has_force = size > NEGLIGIBLE_FORCE;
     ss_scale3(slip->direction, force, has_force ? 1.0 / size : 0.0);

@@ -239,7 +239,7 @@ static void pause_and_stop_ramp_without_the_fault_flag(void **state)
                                  (SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_MODEL_FAULT),
                              SOFTSIM_FORCE_RAMPING);
         }
-        /* Resume enters anew; a stop is for good. */
+        /* Resume enters again; a stop is for good. */
         r.is_paused = false;
         r.is_stopping = false;
         r.is_reset = true;
