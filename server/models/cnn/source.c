@@ -455,11 +455,11 @@ static void weigh_one_cell(ss_model *model, ss_cnn_tool *tool)
     }
     cell->node = node;
     take_cell(model, tool, node);
-    if (is_moved || tool->is_fading) {
-        ss_cnn_source_evaluate(model, &tool->source, model->d);
-        model->work += is_moved ? ss_cnn_source_energy(model, &tool->source) - before : 0.0;
-        set_reference(model, &tool->source, psi_of(model, &tool->source));
-    }
+    ss_cnn_source_evaluate(model, &tool->source, model->d);
+    const double change = is_moved ? ss_cnn_source_energy(model, &tool->source) - before : 0.0;
+    model->work += change;
+    tool->source.given += fmax(change, 0.0);
+    set_reference(model, &tool->source, psi_of(model, &tool->source));
 }
 
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose)

@@ -12,9 +12,9 @@
  *
  * So what a fall of psi_0 gave is taken out of the motion again: at once along the force of the
  * sources, which is what a source without force in that direction would have done; the rest, which
- * went on into other energies, is owed and damps all motion with a time constant of 10 ms, until it
- * is paid or the body has lost it otherwise. Where tissue comes to rest is the same as before: a
- * body that does not move pays nothing.
+ * went on into other energies, is owed and damps all motion with a time constant of 10 ms (at once
+ * where it is more than a touch gives), until it is paid or the body has lost it otherwise. Where
+ * tissue comes to rest is the same as before: a body that does not move pays nothing.
  *
  * Rejected: forces only for strain beyond that of the first touch (the equilibrium of a pressed
  * tool then depends on its way there), no source while psi is below psi_0 (the same, and chatter at
@@ -25,6 +25,9 @@
 
 /* s, of what is owed. */
 #define PAY_TIME 0.01
+/* Of the energy that no hand feels: more, about what a hand gives in a touch, is not owed for long.
+ */
+#define MOST_OWED 1e3
 
 /* Forces of the tools' sources, through strain and weights, into model->us. */
 static void add_up_sources(ss_model *model)
@@ -87,7 +90,9 @@ static double slow_along_sources(ss_model *model, double most)
 /* Damps all motion for what is owed. */
 static void pay(ss_model *model, double h)
 {
-    const double taken = fmin(model->owed, -expm1(-h / PAY_TIME) * model->kinetic);
+    const double in_time = fmin(model->owed, -expm1(-h / PAY_TIME) * model->kinetic);
+    const double at_once = model->owed - MOST_OWED * model->small_energy;
+    const double taken = fmin(model->kinetic, fmax(in_time, at_once));
     const double factor = model->kinetic > 0.0 ? sqrt(1.0 - taken / model->kinetic) : 1.0;
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
         model->v[at] *= (ss_real)factor;

@@ -387,13 +387,13 @@ static double tools_work(const setup *s, int count, double (*last)[3])
 
 /* Two tools take turns with one spot, and one always comes to what the other has strained: tissue
  * never has more, nor has lost more, than they put in. */
-TEST(strained_tissue_gains_nothing_from_a_touch)
+static void take_turns(bool is_one_cell)
 {
-    (void)state;
     const double radius = 2.0 * PLATE_EDGE, dt = 2e-4;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
     setup_plate(&s, 2, radius, 1.0);
+    give(&s, "source", is_one_cell ? 1.0 : 0.0);
     s.plan.step = dt;
     create(&s);
     double last[2][3] = {{0.0}}, work = 0.0, most = 0.0, over = 0.0;
@@ -413,6 +413,13 @@ TEST(strained_tissue_gains_nothing_from_a_touch)
         fail_msg("%g J more than the tools gave, of at most %g J that were stored", over, most);
     }
     setup_fini(&s);
+}
+
+TEST(strained_tissue_gains_nothing_from_a_touch)
+{
+    (void)state;
+    take_turns(false);
+    take_turns(true);
 }
 
 #define GRIP_RADIUS 0.008
