@@ -70,9 +70,9 @@
  * (cnn-energy) held at 8 N reacted with 4 to 25 N, in turns of three ticks. With 10 ms a limit
  * that is raised is overshot by 5 %. */
 #define DRIFT_TIME 0.004
-/* s: in which it comes back to what it was, so that no offset is let go at once. At .5 N, in 3 ms a
- * kidney's viscosity is a step; in 20 ms the force on the way out of a liver is .18 N off its
- * reaction, in 5 ms .05 N. */
+/* s: in which it comes back to what it was, so that no offset ends at once. At 0.5 N, in 3 ms a
+ * kidney's viscosity is a step; in 20 ms the force on the way out of a liver is 0.18 N off its
+ * reaction, in 5 ms 0.05 N. */
 #define TOGETHER_TIME   0.005
 #define NEGLIGIBLE      1e-6 /* N: a decayed offset ends here */
 #define NEGLIGIBLE_TIME 1e-6 /* s: and here what slowed it */

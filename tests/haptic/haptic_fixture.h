@@ -13,8 +13,7 @@
 #include "rt/random.h"
 #include "rt/vec.h"
 
-#define T  1e-3
-#define PI 3.14159265358979323846
+#define T 1e-3
 
 static inline void check_near(double value, double expected, double tolerance, int line)
 {

@@ -61,7 +61,7 @@ static void touch_and_leaving_are_continuous(void **state)
     rig_tick(&r, 1e-3);
     double last = 0.0;
     for (int i = 1; i <= 4000; ++i) {
-        const double z = 1e-3 * cos(2.0 * PI * i / 2000.0);
+        const double z = 1e-3 * cos(2.0 * SS_PI * i / 2000.0);
         rig_result(&r, 1000.0, -r.out.target.proxy[2], 1);
         r.is_new = i == 1;
         const double f = rig_tick(&r, z);
@@ -462,7 +462,7 @@ static void prediction_is_bounded(void **state)
 static void tool_turns_with_the_hand(void **state)
 {
     (void)state;
-    const double size = 3.5e-3, w = 2.0 * PI * 4.5, ahead = 0.025;
+    const double size = 3.5e-3, w = 2.0 * SS_PI * 4.5, ahead = 0.025;
     const double straight = size * (sqrt(1.0 + w * ahead * w * ahead) - 1.0);
     const ss_haptic_config config = default_config();
     rig r;

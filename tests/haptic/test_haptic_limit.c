@@ -74,7 +74,7 @@ static bool brute_force(const ss_balance *b, double out_d[3])
     return false;
 }
 
-static void balance_is_the_brute_force_one(void **state)
+static void balance_matches_brute_force(void **state)
 {
     random_state = 1;
     int most_passes = 0;
@@ -148,7 +148,7 @@ static void limited_balance_meets_its_conditions(void **state)
     for (int n = 0; n < 100000; ++n) {
         ss_balance b;
         ss_rest open, rest;
-        double d[3], local[3], whole[3], axis[3], spring[3];
+        double d[3], local[3], total_force[3], axis[3], spring[3];
         random_balance(&b);
         if (n % 5 == 0) {
             random_grasp(&b);
@@ -159,34 +159,34 @@ static void limited_balance_meets_its_conditions(void **state)
         ss_coupling_balance(&b, &open);
         ss_sub3(d, open.p, b.p_free);
         law_at(&b, d, axis);
-        ss_add3(whole, axis, b.other);
-        const double size = ss_norm3(whole);
+        ss_add3(total_force, axis, b.other);
+        const double size = ss_norm3(total_force);
         b.limit = uniform(0.4, 8.0);
         (void)ss_normalize3(axis);
         const int passes = ss_coupling_balance(&b, &rest);
         most_passes = passes > most_passes ? passes : most_passes;
         ss_sub3(d, rest.p, b.p_free);
         law_at(&b, d, local);
-        ss_add3(whole, local, b.other);
+        ss_add3(total_force, local, b.other);
         if (size <= b.limit) {
             assert_true(rest.share == 1.0);
             continue;
         }
         ++limited;
         /* Nearly opposed planes, metres apart, are slipped out of too slowly: then it is cut. */
-        const double off = fabs(ss_norm3(whole) / b.limit - 1.0);
-        assert_true(rest.share > 0.0 && (rest.share < 1.0 || off > 1e-8));
-        too_far += off > 1e-8;
-        worst_size = fmax(worst_size, off > 1e-8 ? 0.0 : off);
+        const double limit_error = fabs(ss_norm3(total_force) / b.limit - 1.0);
+        assert_true(rest.share > 0.0 && (rest.share < 1.0 || limit_error > 1e-8));
+        too_far += limit_error > 1e-8;
+        worst_size = fmax(worst_size, limit_error > 1e-8 ? 0.0 : limit_error);
         /* Soft along the axis; where that cannot do, all ways. */
         const double along = ss_dot3(axis, d);
         ss_scale3(spring, d, b.spring);
         ss_madd3(spring, spring, (rest.share - 1.0) * b.spring * along, axis);
-        double even[3];
-        ss_scale3(even, d, rest.share * b.spring);
+        double isotropic[3];
+        ss_scale3(isotropic, d, rest.share * b.spring);
         ss_sub3(spring, spring, local);
-        ss_sub3(even, even, local);
-        worst = fmax(worst, fmin(ss_norm3(spring), ss_norm3(even)) / fmax(1.0, size));
+        ss_sub3(isotropic, isotropic, local);
+        worst = fmax(worst, fmin(ss_norm3(spring), ss_norm3(isotropic)) / fmax(1.0, size));
     }
     print_message("limited: %d, at most %d passes, residual %.1e, |F|/L - 1 %.1e\n", limited,
                   most_passes, worst, worst_size);
@@ -196,7 +196,7 @@ static void limited_balance_meets_its_conditions(void **state)
 }
 
 /* For one contact in closed form: d = (a - L)/k', the spring's share L/(K d). */
-static void one_contact_slips_as_far_as_its_slope_asks(void **state)
+static void one_contact_slips_by_closed_form(void **state)
 {
     ss_balance b = {.spring = 2000.0, .count = 1, .limit = 1.0};
     ss_rest rest;
@@ -232,7 +232,7 @@ enum { PRESS = 1500, OUT = 1100 };
 
 /* `count` planes about the axis z, tilted by 35 degrees (one: a ball of 30 mm that bends), each
  * with its share of `k`. The result answers for the proxy that the tick asked for. */
-static void result_of(rig *r, int count, double k, double period)
+static void make_result(rig *r, int count, double k, double period)
 {
     const double *p = r->out.target.proxy;
     r->result = (ss_local_model){.tick = r->tick,
@@ -245,7 +245,7 @@ static void result_of(rig *r, int count, double k, double period)
     set->normal[2] = 1.0;
     for (int i = 0; i < count; ++i) {
         ss_contact *c = &set->contact[i];
-        const double angle = 2.0 * PI * i / count, tilt = 35.0 / 180.0 * PI;
+        const double angle = 2.0 * SS_PI * i / count, tilt = 35.0 / 180.0 * SS_PI;
         double depth;
         if (count == 1) {
             const double centre[3] = {0.0, 0.0, -0.03};
@@ -302,7 +302,7 @@ static void press(const press_plan *plan, limit_tick out[PRESS])
         r.pose.position[0] = 5e-3 * fmin(1.0, fmax(0.0, t - 0.7) / 0.4);
         r.pose.buttons = plan->is_grasping && n >= 300 ? SOFTSIM_BUTTON_GRASP : 0;
         if (n > 0 && n % plan->period == 0) {
-            result_of(&r, plan->count, plan->k, plan->period * T);
+            make_result(&r, plan->count, plan->k, plan->period * T);
         }
         rig_tick(&r, -depth);
         double way[3];
@@ -480,7 +480,7 @@ static void a_hand_far_beyond_the_limit_presses_with_the_limit(void **state)
         rig_start(&r, &config);
         for (int n = 0; n < 2000; ++n) {
             if (n > 0 && n % period == 0) {
-                result_of(&r, 1, 1000.0, period * T);
+                make_result(&r, 1, 1000.0, period * T);
                 ss_contact *c = &r.result.set.contact[0];
                 c->normal[1] += n / period % 2 == 0 ? 0.05 : -0.05;
                 ss_normalize3(c->normal);
@@ -563,7 +563,7 @@ static void a_changed_limit_is_reached_by_the_slew(void **state)
         rig r;
         rig_start(&r, &config);
         for (int n = 0; n < 600; ++n) {
-            result_of(&r, 3, 1000.0, T);
+            make_result(&r, 3, 1000.0, T);
             r.is_new = n > 0;
             rig_tick(&r, 1e-3 - 13e-3 * fmin(1.0, n / 500.0));
         }
@@ -577,7 +577,7 @@ static void a_changed_limit_is_reached_by_the_slew(void **state)
             const bool is_raised = limit[k] > before;
             const int needed = is_raised ? 300 : (int)ceil(fabs(limit[k] - before) / step);
             for (int n = 1; n <= needed + 100; ++n) {
-                result_of(&r, 3, 1000.0, T);
+                make_result(&r, 3, 1000.0, T);
                 rig_tick(&r, -12e-3);
                 const double f = ss_norm3(r.out.force.force);
                 assert_true(fabs(f - last) <= step * (1.0 + 1e-9));
@@ -628,9 +628,9 @@ static void force_is_limited_and_the_proxy_slips(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(balance_is_the_brute_force_one),
+        cmocka_unit_test(balance_matches_brute_force),
         cmocka_unit_test(limited_balance_meets_its_conditions),
-        cmocka_unit_test(one_contact_slips_as_far_as_its_slope_asks),
+        cmocka_unit_test(one_contact_slips_by_closed_form),
         cmocka_unit_test(a_law_without_stiffness_keeps_the_proxy_near),
         cmocka_unit_test(a_press_stays_at_the_limit),
         cmocka_unit_test(a_grasp_stays_at_the_limit),

@@ -25,9 +25,9 @@
 #include "rt/each.h"
 #include "rt/hash.h"
 #include "rt/random.h"
+#include "rt/vec.h"
 
-#define T  1e-3
-#define PI 3.14159265358979323846
+#define T 1e-3
 
 /* ---- device and hand ---- */
 
@@ -70,10 +70,10 @@ static void hand_target(const device *d, double t, double out[3])
         out[2] = 4e-3 - 12e-3 * (smooth5((t - 0.1) / 0.4) - smooth5((t - 1.4) / 0.4));
         break;
     case POKE:
-        out[2] = 4e-3 - 6e-3 * (1.0 - cos(4.0 * PI * t));
+        out[2] = 4e-3 - 6e-3 * (1.0 - cos(4.0 * SS_PI * t));
         break;
     case TAP:
-        out[2] = 12e-3 * cos(8.0 * PI * t);
+        out[2] = 12e-3 * cos(8.0 * SS_PI * t);
         break;
     case HOLD_INSIDE:
     case SCRIPTS:
@@ -82,7 +82,7 @@ static void hand_target(const device *d, double t, double out[3])
     }
     for (int a = 0; a < 3; ++a) {
         for (int i = 0; i < 3; ++i) {
-            out[a] += 50e-6 * weight[i] * sin(2.0 * PI * hz[i] * t + d->phase[a][i]);
+            out[a] += 50e-6 * weight[i] * sin(2.0 * SS_PI * hz[i] * t + d->phase[a][i]);
         }
     }
 }
@@ -94,7 +94,7 @@ static void device_start(device *d, const body *own, script task, uint64_t seed)
     d->script = task;
     for (int a = 0; a < 3; ++a) {
         for (int i = 0; i < 3; ++i) {
-            d->phase[a][i] = 2.0 * PI * ss_random_unit(&seed);
+            d->phase[a][i] = 2.0 * SS_PI * ss_random_unit(&seed);
         }
     }
     hand_target(d, 0.0, d->x);

@@ -22,7 +22,7 @@ static void observer_sees_the_gift_of_delay(void **state)
     config.is_lockstep = false;
     ss_observer *observer = calloc(1, sizeof *observer);
     assert_non_null(observer);
-    const double k = 500.0, a = 4e-3, w = 4.0 * PI;
+    const double k = 500.0, a = 4e-3, w = 4.0 * SS_PI;
     enum { PERIOD = 500 };
     for (int has_seq = 0; has_seq < 2; ++has_seq) {
         memset(observer, 0, sizeof *observer);

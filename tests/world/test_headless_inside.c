@@ -9,6 +9,7 @@
 
 #include "common/effort.h"
 #include "press_fixture.h"
+#include "rt/vec.h"
 
 #define SOFT "  youngs_modulus_pa: 10000\n  density_kg_m3: 1060\n  mass_damping_per_s: 30\n"
 
@@ -85,7 +86,7 @@ static double winding(softsim_world *world, double (*x)[3], const double p[3])
                               r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
         sum += atan2(volume, l[0] * l[1] * l[2] + dot[0] * l[0] + dot[1] * l[1] + dot[2] * l[2]);
     }
-    return sum / (2.0 * 3.14159265358979323846);
+    return sum / (2.0 * SS_PI);
 }
 
 /* In how many of `p` and its six neighbours at contact's doubt (its smooth surface lies under the
