@@ -235,6 +235,8 @@ typedef struct ss_contact {
     double stiffness;       /* k_n, the model's static tangent, N/m */
     double tangential;      /* k_t, N/m */
     double viscosity;       /* B, N s/m */
+    double swift;           /* k of a motion within one step, which the touched tissue's inertia
+                               resists too, N/m; 0: not known */
     double gap;             /* m, > 0: near but not touching */
     double curvature[3][3]; /* S: symmetric world-frame matrix on the tangent plane, 1/m */
 } ss_contact;

@@ -96,9 +96,10 @@ static bool is_result_finite(const ss_local_model *result)
                    ss_is_finite(set->normal, 3);
     for (int32_t i = 0; is_good && i < set->count && i < SS_MAX_CONTACTS; ++i) {
         const ss_contact *c = &set->contact[i];
-        const double scalar[5] = {c->force, c->stiffness, c->tangential, c->viscosity, c->gap};
+        const double scalar[6] = {c->force,     c->stiffness, c->tangential,
+                                  c->viscosity, c->swift,     c->gap};
         is_good = ss_is_finite(c->point, 3) && ss_is_finite(c->normal, 3) &&
-                  ss_is_finite(scalar, 5) && ss_is_finite(&c->curvature[0][0], 9);
+                  ss_is_finite(scalar, 6) && ss_is_finite(&c->curvature[0][0], 9);
     }
     return is_good;
 }
@@ -330,8 +331,8 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
     if (!is_first && haptic->is_pressed && result->set.is_held && !local->held.is_held) {
         ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
-    ss_local_contact_take(local, result, &haptic->config, tick, at, haptic->p, haptic->pdot,
-                          is_first || result->is_found_inside);
+    ss_local_contact_take(local, result, &haptic->config, tick, haptic->yield.spring, at, haptic->p,
+                          haptic->pdot, is_first || result->is_found_inside);
     const bool is_near =
         ss_local_contact_surface(local, haptic->pose.position, normal, point, &depth);
     if (result->is_found_inside) {

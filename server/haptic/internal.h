@@ -143,8 +143,9 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double apart
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
 void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result,
-                           const ss_haptic_config *config, int64_t tick, const double x[3],
-                           const double p[3], const double pdot[3], bool is_fresh);
+                           const ss_haptic_config *config, int64_t tick, double spring,
+                           const double x[3], const double p[3], const double pdot[3],
+                           bool is_fresh);
 /* The contacts begin without force: offsets hold back what would appear at once. */
 void ss_local_contact_begin(ss_local_contact *local, const double x[3], const double p[3],
                             const double pdot[3]);

@@ -81,6 +81,8 @@
  * (metrics of bench/latency) with 10 ms, 2.4 and 9 % with 3 ms, and no more stability from either.
  */
 #define VISCOSITY_TIME 0.003
+/* s: and of what steadies the loop, which is wanted where the coupling is soft. */
+#define STEADY_TIME 0.020
 
 void ss_local_contact_clear(ss_local_contact *local)
 {
@@ -378,9 +380,20 @@ static int32_t find_old(const ss_local_contact *old, const ss_contact *now, uint
     return best;
 }
 
-/* Parameters of one contact from the model's, guarded. */
+/* N s/m: what keeps the loop of proxy and simulation still. A step of the proxy changes the
+ * reaction by the swift stiffness S one result late, and the law by k + B/h at once; changes die
+ * out from result to result where S - (k + B/h) < K_c + k + B/h, and at once where k + B/h is all
+ * that the coupling leaves of S. A soft tool on soft tissue, with a stiff coupling, needs none. */
+static double steadying(const ss_contact *from, double spring, double period)
+{
+    const double wanted = period * (from->swift - spring - from->stiffness);
+    return fmax(0.0, fmin(wanted, STEADY_TIME * from->stiffness));
+}
+
+/* Parameters of one contact from the model's, guarded; `spring` and `period` as steadying takes
+ * them. */
 static void take_contact(ss_local_contact_point *c, const ss_contact *from, double margin,
-                         bool was_touching)
+                         bool was_touching, double spring, double period)
 {
     memset(c, 0, sizeof *c);
     ss_copy3(c->normal, from->normal);
@@ -392,8 +405,8 @@ static void take_contact(ss_local_contact_point *c, const ss_contact *from, doub
     c->stiffness = fmin(STIFFNESS_MAX, margin * c->model_stiffness);
     c->tangential = fmin(STIFFNESS_MAX, fmax(0.0, from->tangential));
     /* The viscosity of a first touch is the blow itself: as a law it would be a spike. */
-    c->viscosity =
-        was_touching ? fmin(VISCOSITY_TIME * c->model_stiffness, fmax(0.0, from->viscosity)) : 0.0;
+    const double viscosity = fmin(VISCOSITY_TIME * c->model_stiffness, fmax(0.0, from->viscosity));
+    c->viscosity = was_touching ? fmax(viscosity, steadying(from, spring, period)) : 0.0;
     c->force = from->gap > 0.0 ? -c->stiffness * from->gap : fmax(0.0, from->force);
 }
 
@@ -542,9 +555,11 @@ static void keep_force(ss_local_contact *local, const ss_local_contact *old, con
 }
 
 void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result,
-                           const ss_haptic_config *config, int64_t tick, const double x[3],
-                           const double p[3], const double pdot[3], bool is_fresh)
+                           const ss_haptic_config *config, int64_t tick, double spring,
+                           const double x[3], const double p[3], const double pdot[3],
+                           bool is_fresh)
 {
+    double swift = 0.0;
     const ss_local_contact old = *local;
     int32_t source[SS_MAX_CONTACTS];
     uint32_t used = 0;
@@ -564,11 +579,16 @@ void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result
     const double age = (double)(tick - result->tick) * config->period;
     const double margin = age + local->result_period > SLOW_RESULTS ? 1.0 : STIFFNESS_MARGIN;
     for (int32_t i = 0; i < local->count; ++i) {
+        swift += result->set.contact[i].swift;
+    }
+    for (int32_t i = 0; i < local->count; ++i) {
         const ss_contact *from = &result->set.contact[i];
+        const double share = swift > 0.0 ? from->swift / swift : 1.0;
         source[i] = is_fresh ? -1 : find_old(&old, from, used);
         const ss_local_contact_point *before = source[i] >= 0 ? &old.contact[source[i]] : NULL;
         used |= before != NULL ? 1U << source[i] : 0U;
-        take_contact(&local->contact[i], from, margin, before != NULL && before->force > 0.0);
+        take_contact(&local->contact[i], from, margin, before != NULL && before->force > 0.0,
+                     share * spring, local->result_period);
         if (before != NULL && result->tick > old.tick) {
             local->contact[i].rate =
                 (fmax(0.0, local->contact[i].force) - fmax(0.0, before->force)) /

@@ -82,7 +82,8 @@ static softsim_status allocate(ss_body *body)
     ss_arena *arena = &body->arena;
     ss_body_solver *solver = &body->solver;
     ss_real **const quads[] = {&solver->inverse, &solver->push,   &solver->residual,
-                               &solver->search,  &solver->scaled, &solver->product};
+                               &solver->search,  &solver->scaled, &solver->product,
+                               &solver->swift};
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
         *quads[k] = ss_arena_get(arena, n * 4, sizeof **quads[k]);
     }
@@ -137,7 +138,7 @@ void ss_body_tools_reset(ss_body *body)
     ss_tools_reset(&body->tools);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_body_touch *felt = &body->felt[k];
-        felt->viscosity = 0.0;
+        felt->viscosity = felt->swift = 0.0;
         felt->age = 0;
         if (body->tools.tool[k].is_used) {
             memset(felt->shape_y, 0, ss_body_bytes(body));

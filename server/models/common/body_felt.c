@@ -31,14 +31,17 @@
 
 /* Conjugate gradients in a new contact, after a jump, and at rest; calls in which a contact is
  * young, and calls from one improvement to the next afterwards; sub-steps of a long step for each
- * iteration. */
+ * iteration; of the swift stiffness, calls at first and from one to the next, and iterations. */
 enum {
     FIRST_ITERATIONS = 6,
     AGAIN_ITERATIONS = 12,
     REST_ITERATIONS = 200,
     YOUNG = 8,
     EVERY = 4,
-    SUBSTEPS = 4
+    SUBSTEPS = 4,
+    SWIFT_YOUNG = 4,
+    SWIFT_EVERY = 16,
+    SWIFT_ITERATIONS = 4
 };
 /* From one estimate to the next: more, and the body answers otherwise than before (a wall that
  * snaps back); the contact is young again. Improved as usual, the wall of hm1 on a tool's way out
@@ -54,9 +57,8 @@ enum {
 static void apply_law(ss_body *body, const ss_real *x, ss_real *out)
 {
     const ss_body_nodes *nodes = &body->nodes;
-    const double rate2 = 1.0 / (INERTIA_TIME * INERTIA_TIME);
     for (int32_t i = 0; i < nodes->padded_count; ++i) {
-        const ss_real inertia = (ss_real)(nodes->mass[i] * rate2);
+        const ss_real inertia = (ss_real)(nodes->mass[i] * body->solver.rate2);
         for (ptrdiff_t at = 4 * (ptrdiff_t)i; at < 4 * (ptrdiff_t)i + 4; ++at) {
             out[at] = inertia * x[at];
         }
@@ -74,12 +76,11 @@ static void apply(ss_body *body, const ss_real *x, ss_real *out)
 static void set_inverse(ss_body *body)
 {
     const ss_body_nodes *nodes = &body->nodes;
-    const double rate2 = 1.0 / (INERTIA_TIME * INERTIA_TIME);
     memset(body->contact_stiff, 0, (size_t)nodes->padded_count * sizeof *body->contact_stiff);
     ss_body_contact_diagonal(body, body->contact_stiff);
     for (int32_t i = 0; i < nodes->count; ++i) {
         const double stiff =
-            body->solver.stiff[i] + body->contact_stiff[i] + nodes->mass[i] * rate2;
+            body->solver.stiff[i] + body->contact_stiff[i] + nodes->mass[i] * body->solver.rate2;
         const ss_real inverse = stiff > 0.0 ? (ss_real)(1.0 / stiff) : 0;
         for (ptrdiff_t at = 4 * (ptrdiff_t)i; at < 4 * (ptrdiff_t)i + 4; ++at) {
             body->solver.inverse[at] = nodes->mobility[at] > 0 ? inverse : 0;
@@ -237,6 +238,22 @@ static double estimate(const ss_body *body, double k_cc, const ss_real *y)
     return k_cc - ss_body_dot(n, y, body->solver.push) - ss_body_dot(n, y, body->solver.residual);
 }
 
+/* k(y) with the inertia over half a step in place of tau: what answers within a step is near the
+ * tool, and a few iterations find it. solver.push is c. */
+static double swift_stiffness(ss_body *body, double k_cc)
+{
+    ss_real *y = body->solver.swift;
+    const double time = 0.5 * body->plan.step;
+    body->solver.rate2 = 1.0 / (time * time);
+    memset(y, 0, ss_body_bytes(body));
+    set_inverse(body);
+    memcpy(body->solver.residual, body->solver.push, ss_body_bytes(body));
+    solve_some(body, y, SWIFT_ITERATIONS);
+    const double swift = estimate(body, k_cc, y);
+    body->solver.rate2 = 1.0 / (INERTIA_TIME * INERTIA_TIME);
+    return isfinite(swift) ? fmax(0.0, swift) : 0.0;
+}
+
 /* Improves felt and viscosity of tool `probe` for a push along `normal`. */
 static void feel(ss_body *body, int probe, const double normal[3])
 {
@@ -282,6 +299,9 @@ static void feel(ss_body *body, int probe, const double normal[3])
         memset(query->shape_step, 0, ss_body_bytes(body));
     }
     const double viscosity = damping_met(body, query->shape_y);
+    if (query->age <= SWIFT_YOUNG || query->age % SWIFT_EVERY == 1) {
+        query->swift = swift_stiffness(body, k_cc);
+    }
     query->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
 }
 
@@ -294,7 +314,15 @@ void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set 
     double normal[3];
     if (ss_tool_fill_contacts(tool, ss_body_refit(body), near, out, normal)) {
         feel(body, probe, normal);
+        if (!out->is_held) {
+            const double lag = ss_tool_mean_lag(tool, tool->felt, normal);
+            ss_madd3(out->force, out->force, lag, normal);
+        }
         ss_contact_set_share(out, normal, tool->felt, body->felt[probe].viscosity);
+        for (int32_t k = 0; k < out->count; ++k) {
+            ss_contact *contact = &out->contact[k];
+            contact->swift = body->felt[probe].swift * contact->stiffness / tool->felt;
+        }
     }
     tool->was_touching = ss_tool_is_touching(tool);
 }
@@ -362,6 +390,7 @@ softsim_status ss_body_set_rest_felt(ss_body *body)
     if (!body->tools.surface) {
         return SOFTSIM_OK;
     }
+    body->solver.rate2 = 1.0 / (INERTIA_TIME * INERTIA_TIME);
     double *area = ss_memory_get((size_t)body->skin->node_count, sizeof *area);
     if (!area) {
         return SOFTSIM_ERROR_MEMORY;

@@ -16,12 +16,14 @@ typedef struct ss_body_touch {
     ss_real *shape_step; /* and how it was last improved */
     int32_t age;         /* calls since the estimate was last improved */
     double viscosity;    /* N s/m */
+    double swift;        /* N/m, within one step */
 } ss_body_touch;
 
 /* Conjugate gradients of the tangent, node arrays. */
 typedef struct ss_body_solver {
-    ss_real *inverse, *push, *residual, *search, *scaled, *product;
+    ss_real *inverse, *push, *residual, *search, *scaled, *product, *swift;
     double *stiff; /* N/m, the law's diagonal */
+    double rate2;  /* 1/s^2, of the inertia in H */
 } ss_body_solver;
 
 /* J; what they are: struct ss_body. */

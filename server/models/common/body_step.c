@@ -40,6 +40,9 @@
 #include "models/common/substeps.h"
 #include "rt/vec.h"
 
+/* s, at the end of a step: the hand is told the mean force over it, each sub-step by its mean at
+ * both ends, as work is booked. A stiff contact swings two or three times in it. */
+#define MEAN_TIME 1e-3
 /* Edges that a node may go in an explicit sub-step. */
 #define MAX_EDGES 0.2
 /* Gains, added up (ss_plan_pool_gain): of the energy. */
@@ -357,6 +360,8 @@ static bool substep(ss_body *body, ss_substeps *p)
     } else {
         body->work += 0.5 * fraction * ss_tools_work(&body->tools);
     }
+    const double told = 0.5 * fmin(h, fmax(0.0, MEAN_TIME - (p->left - h)));
+    ss_tools_add_mean(&body->tools, told);
     const bool is_finite = advance(body, h, p->path, fraction, next);
     place_prescribed(body, next, fraction, h, false);
     ss_tools_fade(&body->tools, h);
@@ -368,6 +373,7 @@ static bool substep(ss_body *body, ss_substeps *p)
     p->path = next;
     if (is_finite) {
         evaluate(body, next, !has_step_left(p));
+        ss_tools_add_mean(&body->tools, told);
         ss_tools_accept_fade(&body->tools, true, &body->dissipated);
         book_load(body, 0.5 * h * ss_body_prescribed_power(body));
         if (!has_implicit_contact(body)) {
@@ -429,6 +435,7 @@ void ss_body_step(ss_body *body, double time, double dt,
     set_bound(body);
     ss_substeps p = {
         .left = dt, .motion = ss_body_motion_steps(body), .most = body->plan.max_substeps};
+    ss_tools_begin_mean(&body->tools);
     while (has_step_left(&p)) {
         if (!substep(body, &p)) {
             return;

@@ -128,6 +128,30 @@ void ss_tool_at(const ss_tool *tool, double path, ss_tool_pose *out)
     }
 }
 
+void ss_tools_begin_mean(ss_tools *tools)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_tool *tool = &tools->tool[k];
+        ss_set3(tool->impulse, 0.0, 0.0, 0.0);
+        ss_set3(tool->way, 0.0, 0.0, 0.0);
+        tool->span = 0.0;
+    }
+}
+
+void ss_tools_add_mean(ss_tools *tools, double span)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_tool *tool = &tools->tool[k];
+        if (tool->is_present && span > 0.0) {
+            double back[3];
+            ss_sub3(back, tool->pose.position, tool->to.position);
+            ss_madd3(tool->impulse, tool->impulse, span, tool->force);
+            ss_madd3(tool->way, tool->way, span, back);
+            tool->span += span;
+        }
+    }
+}
+
 bool ss_tools_is_any(const ss_tools *tools)
 {
     bool is_any = false;
@@ -256,6 +280,27 @@ ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out)
     return is_there ? &tools->tool[probe] : NULL;
 }
 
+double ss_tool_mean_lag(const ss_tool *tool, double stiffness, const double normal[3])
+{
+    return tool->span > 0.0 ? stiffness * ss_dot3(tool->way, normal) / tool->span : 0.0;
+}
+
+/* The mean in place of the force at the end; what touched within the step only, too. */
+static void set_mean(const ss_tool *tool, ss_contact_set *set)
+{
+    const double size = ss_norm3(set->force);
+    double mean[3];
+    ss_scale3(mean, tool->impulse, 1.0 / tool->span);
+    for (int32_t k = 0; k < set->count; ++k) {
+        ss_contact *contact = &set->contact[k];
+        const double along = size > 0.0 ? contact->force * ss_dot3(mean, set->force) / (size * size)
+                                        : ss_dot3(mean, contact->normal) / set->count;
+        contact->force = fmax(0.0, along);
+        contact->gap = contact->force > 0.0 ? 0.0 : contact->gap;
+    }
+    ss_copy3(set->force, mean);
+}
+
 bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
                            double out_normal[3])
 {
@@ -263,8 +308,11 @@ bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, s
     out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
     ss_copy3(out->force, tool->force);
     ss_copy3(out->torque, tool->torque);
+    if (tool->span > 0.0 && !out->is_held) {
+        set_mean(tool, out);
+    }
     if (out->count > 0 && ss_tool_is_touching(tool)) {
-        ss_contact_set_direction(out, tool->force, out_normal);
+        ss_contact_set_direction(out, out->force, out_normal);
         return true;
     }
     for (int32_t k = 0; k < out->count; ++k) {

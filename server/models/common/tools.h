@@ -34,6 +34,9 @@ typedef struct ss_tool {
     double force[3], torque[3]; /* on the tool */
     double penalty;             /* J */
     double felt;                /* N/m, last in contact */
+    double impulse[3];          /* N s, of `force` over the end of the step, */
+    double way[3];              /* m s: of the pose from `to` meanwhile, */
+    double span;                /* s: and how long that was */
 } ss_tool;
 
 typedef struct ss_tools {
@@ -78,6 +81,10 @@ ss_tool_news ss_tool_take(ss_tool *tool, const ss_model_tool *input);
  * there. */
 void ss_tool_at(const ss_tool *tool, double path, ss_tool_pose *out);
 bool ss_tools_is_any(const ss_tools *tools);
+/* The force over the end of a step, piece by piece: a contact swings within a step, and the hand is
+ * told the mean. Models that do not begin it tell the force at the end. */
+void ss_tools_begin_mean(ss_tools *tools);
+void ss_tools_add_mean(ss_tools *tools, double span);
 /* Parts of the step in which no tool moves further than a quarter of its radius; at least 1. */
 double ss_tools_parts(const ss_tools *tools);
 /* The work of the tools for a whole step's way at the forces of the last evaluation, J. */
@@ -112,6 +119,8 @@ double ss_tool_push(const ss_tool *tool, const double normal[3], ss_real *push);
 
 /* Tool `probe` with an empty set, or NULL where there is none present. */
 ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out);
+/* What that mean is off the end of the step by, for a contact of `stiffness` along `normal`, N. */
+double ss_tool_mean_lag(const ss_tool *tool, double stiffness, const double normal[3]);
 /* Fills the set at displacements u; true where it touches: its stiffness is to be shared along
  * out_normal (ss_contact_set_share). Else it is what was felt last, or at rest. */
 bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
