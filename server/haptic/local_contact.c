@@ -404,7 +404,8 @@ static void take_contact(ss_local_contact_point *c, const ss_contact *from, doub
     c->model_stiffness = fmin(STIFFNESS_MAX, fmax(STIFFNESS_MIN, from->stiffness));
     c->stiffness = fmin(STIFFNESS_MAX, margin * c->model_stiffness);
     c->tangential = fmin(STIFFNESS_MAX, fmax(0.0, from->tangential));
-    /* The viscosity of a first touch is the blow itself: as a law it would be a spike. */
+    /* At first touch the reported viscosity is mostly impact; used as a coefficient it would give a
+     * force spike. */
     const double viscosity = fmin(VISCOSITY_TIME * c->model_stiffness, fmax(0.0, from->viscosity));
     c->viscosity = was_touching ? fmax(viscosity, steadying(from, spring, period)) : 0.0;
     c->force = from->gap > 0.0 ? -c->stiffness * from->gap : fmax(0.0, from->force);
