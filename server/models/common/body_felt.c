@@ -314,10 +314,6 @@ void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set 
     double normal[3];
     if (ss_tool_fill_contacts(tool, ss_body_refit(body), near, out, normal)) {
         feel(body, probe, normal);
-        if (!out->is_held) {
-            const double lag = ss_tool_mean_lag(tool, tool->felt, normal);
-            ss_madd3(out->force, out->force, lag, normal);
-        }
         ss_contact_set_share(out, normal, tool->felt, body->felt[probe].viscosity);
         for (int32_t k = 0; k < out->count; ++k) {
             ss_contact *contact = &out->contact[k];

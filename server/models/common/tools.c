@@ -133,7 +133,6 @@ void ss_tools_begin_mean(ss_tools *tools)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_tool *tool = &tools->tool[k];
         ss_set3(tool->impulse, 0.0, 0.0, 0.0);
-        ss_set3(tool->way, 0.0, 0.0, 0.0);
         tool->span = 0.0;
     }
 }
@@ -143,10 +142,7 @@ void ss_tools_add_mean(ss_tools *tools, double span)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_tool *tool = &tools->tool[k];
         if (tool->is_present && span > 0.0) {
-            double back[3];
-            ss_sub3(back, tool->pose.position, tool->to.position);
             ss_madd3(tool->impulse, tool->impulse, span, tool->force);
-            ss_madd3(tool->way, tool->way, span, back);
             tool->span += span;
         }
     }
@@ -278,11 +274,6 @@ ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out)
     memset(out, 0, sizeof *out);
     const bool is_there = probe >= 0 && probe < SOFTSIM_MAX_PROBES && tools->tool[probe].is_present;
     return is_there ? &tools->tool[probe] : NULL;
-}
-
-double ss_tool_mean_lag(const ss_tool *tool, double stiffness, const double normal[3])
-{
-    return tool->span > 0.0 ? stiffness * ss_dot3(tool->way, normal) / tool->span : 0.0;
 }
 
 /* The mean in place of the force at the end; what touched within the step only, too. */

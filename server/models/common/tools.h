@@ -35,7 +35,6 @@ typedef struct ss_tool {
     double penalty;             /* J */
     double felt;                /* N/m, last in contact */
     double impulse[3];          /* N s, of `force` over the end of the step, */
-    double way[3];              /* m s: of the pose from `to` meanwhile, */
     double span;                /* s: and how long that was */
 } ss_tool;
 
@@ -119,8 +118,6 @@ double ss_tool_push(const ss_tool *tool, const double normal[3], ss_real *push);
 
 /* Tool `probe` with an empty set, or NULL where there is none present. */
 ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out);
-/* What that mean is off the end of the step by, for a contact of `stiffness` along `normal`, N. */
-double ss_tool_mean_lag(const ss_tool *tool, double stiffness, const double normal[3]);
 /* Fills the set at displacements u; true where it touches: its stiffness is to be shared along
  * out_normal (ss_contact_set_share). Else it is what was felt last, or at rest. */
 bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
