@@ -65,7 +65,6 @@ typedef struct softsim_state {
     const char *worst_reason;      /* of the first step with it; "" while good */
     double stable_step_s;
     double kinetic_j, elastic_j, dissipated_j, work_j;
-    int32_t restarts; /* from rest, half a second after a fault; of worlds with a tool */
     int64_t poses_received;
     int64_t poses_refused[SOFTSIM_REFUSED_COUNT];
     double step_us[3]; /* thread CPU time: p50, p99, max of the last 10 s */

@@ -56,11 +56,6 @@ static void judge(ss_loops *loops, softsim_server_status *status)
     status->verdict = (int32_t)info->verdict;
     status->reason = info->reason ? info->reason : "";
     status->fault_bits = (int32_t)info->fault_bits;
-    if (strcmp(status->reason, SS_RESTART_REASON) == 0) {
-        snprintf(loops->restart_reason, sizeof loops->restart_reason, "%s (%d so far)",
-                 SS_RESTART_REASON, loops->simulation_stats.restarts);
-        status->reason = loops->restart_reason;
-    }
     const ss_hand_verdict *hand = &loops->haptic_stats.hand;
     if ((int32_t)hand->verdict > status->verdict) {
         status->verdict = (int32_t)hand->verdict;

@@ -60,7 +60,7 @@ typedef struct ss_loops {
     int64_t periods[SOFTSIM_MAX_PROBES], forces[SOFTSIM_MAX_PROBES], missed[SOFTSIM_MAX_PROBES];
     int32_t last_flags[SOFTSIM_MAX_PROBES]; /* of the newest force */
     int64_t silent_ns[SOFTSIM_MAX_PROBES];  /* since when it has been stale */
-    char slow_reason[128], restart_reason[160];
+    char slow_reason[128];
     double peak_force;
     int64_t status_ns; /* when the last one went out */
     bool is_status_asked;

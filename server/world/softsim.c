@@ -99,7 +99,6 @@ void softsim_read(softsim_world *public_world, softsim_state *out_state)
                                  .elastic_j = info.elastic,
                                  .dissipated_j = info.dissipated,
                                  .work_j = info.work,
-                                 .restarts = world->restarts,
                                  .poses_received = counts.received};
     if (world->hand.verdict > info.verdict) {
         out_state->verdict = world->hand.verdict;

@@ -31,22 +31,6 @@ static const double MAX_SEARCH_WAIT = 1.0;
  * after 0.16 s at most (a ventricle pressed by 16 mm). */
 static const double DEFORMED_TIME = 1.0;
 
-/* s after a fault until the model begins again, and then s for which that is told. */
-static const double STOP_TIME = 0.5, TELL_TIME = 1.0;
-/* By then the haptic loop has ramped its force down and placed the proxy again. */
-enum { STOP_TICKS = 50 };
-
-/* The body is at rest, and what was wrong is over. */
-static void rest(ss_world *world)
-{
-    world->is_hashed = false;
-    world->is_at_fault = false;
-    world->stopped = 0;
-    world->deformed_until = world->steps;
-    world->model_class->reset(world->model);
-    ss_energy_watch_reset(&world->energy);
-}
-
 static void run_simulation_command(ss_world *world, const ss_command_record *command)
 {
     switch (command->kind) {
@@ -58,10 +42,11 @@ static void run_simulation_command(ss_world *world, const ss_command_record *com
         ++world->simulation_starts;
         break;
     case SS_COMMAND_RESET:
+        world->is_hashed = false;
         ++world->simulation_starts;
-        world->fault_bits = 0;
-        world->restart_told_until = 0;
-        rest(world);
+        world->deformed_until = world->steps;
+        world->model_class->reset(world->model);
+        ss_energy_watch_reset(&world->energy);
         break;
     case SS_COMMAND_SET:
         if (command->key == SS_LIVE_MODEL_ROW) {
@@ -259,34 +244,9 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
     note_touch(world, probe);
 }
 
-/* A fault is no end where there are tools, or one sender that shakes his could end it for all: when
- * the forces are down the body begins again at rest, and tools that stand in it are let in as after
- * a reset, on the side that they were pressed from. Without tools it stays for whoever reads the
- * result. Rejected: back to the last good state. It is what led to the fault. */
-static void begin_again(ss_world *world)
-{
-    const double time = fmax(STOP_TIME, (double)STOP_TICKS * world->period);
-    if (!world->is_at_fault || world->simulation_paused || world->used_probes == 0 ||
-        (double)++world->stopped * world->step_period < time) {
-        return;
-    }
-    ss_model_info info;
-    world->model_class->info(world->model, &info);
-    ss_energy_watch_judge(&world->energy, &info);
-    world->fault_bits |= info.fault_bits | SS_WORLD_RESTARTED;
-    ++world->restarts;
-    rest(world);
-    world->restart_told_until = world->steps + (int64_t)ceil(TELL_TIME / world->step_period);
-    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        world->probe[p].was_present = false;
-        --world->probe[p].inward_starts; /* what it was pressed in along counts */
-    }
-}
-
 void ss_world_step_compute(ss_world *world)
 {
     const int64_t cpu_start = ss_clock_thread_cpu_ns();
-    begin_again(world);
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
     double velocity[SOFTSIM_MAX_PROBES][3] = {{0}};
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
@@ -318,7 +278,6 @@ void ss_world_step_compute(ss_world *world)
         ss_energy_watch_step(&world->energy, &info, motion, world->step_period);
     }
     ss_energy_watch_judge(&world->energy, &info);
-    world->is_at_fault = info.verdict == SOFTSIM_VERDICT_FAULT;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (world->probe[p].is_used) {
             read_contacts(world, p, &tool[p], velocity[p], &info);
@@ -362,7 +321,6 @@ void ss_world_step_post(ss_world *world)
     ss_simulation_stats *stats = ss_mailbox_draft(world->simulation_stats);
     ss_world_info(world, &stats->info);
     stats->is_paused = world->simulation_paused;
-    stats->restarts = world->restarts;
     stats->info.step = world->steps;
     const int64_t quarter = (int64_t)ceil(0.25 / world->step_period);
     if (world->steps % quarter == 0) {

@@ -68,9 +68,4 @@ void ss_world_info(const ss_world *world, ss_model_info *out_info)
     }
     ss_energy_watch_judge(&world->energy, out_info);
     ss_world_judge_sinking(world, out_info);
-    out_info->fault_bits |= world->fault_bits;
-    if (world->steps < world->restart_told_until && out_info->verdict < SOFTSIM_VERDICT_FAULT) {
-        out_info->verdict = SOFTSIM_VERDICT_DEGRADED;
-        out_info->reason = SS_RESTART_REASON;
-    }
 }

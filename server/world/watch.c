@@ -48,8 +48,8 @@ void ss_energy_watch_judge(const ss_energy_watch *watch, ss_model_info *info)
     info->fault_bits |= watch->verdict >= SOFTSIM_VERDICT_DEGRADED ? SS_MODEL_FAULT_ENERGY : 0u;
     info->reason =
         watch->verdict == SOFTSIM_VERDICT_FAULT
-            ? "the tissue gained more energy than any tool could supply; the simulation stands for "
-              "half a second and begins again from rest"
+            ? "the tissue gained more energy than any tool could supply; the simulation is "
+              "stopped until reset"
             : "the tissue took up more energy than a hand at haptic.max_force_n gives: move "
               "slower, "
               "or steady the tracker";

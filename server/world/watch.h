@@ -13,9 +13,8 @@
  *
  * adds up is energy that no tool work explains. Beyond L R + |W|/10 (R the tools' bounding radius)
  * the verdict is guarded, beyond ten times that degraded; beyond a hundred times it is a fault: the
- * model is stepped no more, forces ramp to zero, and half a second later the body begins again at
- * rest (step.c). Scenes without a tool are not watched: there a model's own energy balance has all
- * work.
+ * model is stepped no more, forces ramp to zero, `reset` recovers. Scenes without a tool are not
+ * watched: there a model's own energy balance has all work.
  *
  * Hand. E = sum F.(x_j+1 - x_j) + T.theta_j since a contact's first force, F and T the answer to
  * pose j or to pose j - 1, whichever gives more: tissue hands out no more than it got. The same is

@@ -59,20 +59,12 @@ typedef struct ss_haptic_stats {
     ss_hand_verdict hand; /* of energy that any hand was given lately: watch.h */
 } ss_haptic_stats;
 
-/* A bit of ss_model_info.fault_bits that the world sets: a fault was ended from rest. */
-enum { SS_WORLD_RESTARTED = 16 };
-/* Why a verdict is degraded after it. */
-#define SS_RESTART_REASON                                                                          \
-    "the simulation had stopped at a fault, and began again from rest: move slower, or steady the" \
-    " tracker"
-
 /* What the simulation reports, after each step. */
 typedef struct ss_simulation_stats {
     ss_model_info info;
     double step_us[3]; /* p50, p99, max */
     double lag;        /* share of real time that is not simulated; 0 in lockstep */
     bool is_paused;
-    int32_t restarts; /* after a fault */
 } ss_simulation_stats;
 
 /* A surface snapshot for the publisher: `displacement` has 3 floats a node. */
@@ -164,12 +156,7 @@ typedef struct ss_world {
     uint64_t hash;
     double lag; /* as in the stats */
     ss_energy_watch energy;
-    bool is_at_fault; /* nothing moves, and for `stopped` steps has not */
-    int64_t stopped;
-    int32_t restarts;           /* after a fault, from rest */
-    int64_t restart_told_until; /* step */
-    uint32_t fault_bits;        /* of before the last of them; until reset */
-    int32_t snapshot_every;     /* steps between surface snapshots; 0: no publisher */
+    int32_t snapshot_every; /* steps between surface snapshots; 0: no publisher */
     double step_quantiles[3];
     softsim_verdict worst_verdict; /* of any step so far */
     const char *worst_reason;      /* of the first step with it; NULL while good */

@@ -176,80 +176,12 @@ TEST(energy_that_no_hand_has_stops_the_tissue)
     assert_int_equal(world->steps, steps);
     assert_true((force.flags & SOFTSIM_FORCE_MODEL_FAULT) != 0);
     assert_true(ss_norm3(force.force) == 0.0);
-    assert_int_equal(world->restarts, 0);
     assert_int_equal(ss_world_command(world, "reset", "", &record, text, (int32_t)sizeof text), 0);
     tick(world, 161, 0.005, 0.003, free_z);
     ss_world_info(world, &info);
     assert_int_equal(info.verdict, SOFTSIM_VERDICT_GOOD);
     assert_true(world->steps > steps);
     destroy(world);
-}
-
-/* Half a second after a fault the body begins again at rest, and a hand that holds still in it is
- * let in: it feels what it did before, without a blow. Told as long as a hand looks, counted, and
- * the bits stay. Twice. */
-static void a_fault_ends_by_itself(ss_world *world, const double hold[3], const double away[3])
-{
-    softsim_state now;
-    int32_t k = 1;
-    double before = 0.0;
-    for (; k <= 1500; ++k) {
-        double x[3];
-        for (int a = 0; a < 3; ++a) {
-            x[a] = away[a] + fmin(1.0, k / 500.0) * (hold[a] - away[a]);
-        }
-        before = ss_norm3(tick(world, k, x[0], x[1], x[2]).force);
-    }
-    for (int32_t round = 1; round <= 2; ++round) {
-        ss_model_info info;
-        const ss_model_info burst = {.kinetic = 1e6 * world->energy.limit * world->energy.size};
-        ss_energy_watch_step(&world->energy, &burst, 0.0, world->step_period);
-        double force = before, kinetic = 0.0;
-        bool was_zero = false;
-        for (const int32_t end = k + 2500; k < end; ++k) {
-            const double next = ss_norm3(tick(world, k, hold[0], hold[1], hold[2]).force);
-            softsim_read((softsim_world *)world, &now);
-            if (now.restarts == round) {
-                kinetic = fmax(kinetic, now.kinetic_j);
-            }
-            assert_true(next - force < 0.05 * fmax(before, 0.1));
-            was_zero = was_zero || next == 0.0;
-            force = next;
-        }
-        ss_world_info(world, &info);
-        assert_true(was_zero);
-        assert_int_equal(now.restarts, round);
-        assert_int_equal(now.worst_verdict, SOFTSIM_VERDICT_FAULT);
-        assert_true(info.verdict < SOFTSIM_VERDICT_FAULT);
-        assert_true(strcmp(info.reason, SS_RESTART_REASON) != 0);
-        assert_true((info.fault_bits & SS_WORLD_RESTARTED) != 0);
-        if (!(fabs(force - before) < 0.1 * before + 1e-3)) {
-            fail_msg("%s: %g N, before the fault %g N", world->model_class->name, force, before);
-        }
-        assert_true(kinetic < limit_n * body_m);
-    }
-}
-
-TEST(every_fault_ends_by_itself)
-{
-    (void)state;
-    static ss_stress_case_plan plan; /* large */
-    const double hold[3] = {0.005, 0.003, pressed_z}, away[3] = {0.005, 0.003, free_z};
-    ss_world *world = make_scene(KIDNEY, NULL, 0);
-    a_fault_ends_by_itself(world, hold, away);
-    destroy(world);
-    const int32_t count = FULL_IN_RELEASE(ss_stress_case_subject_count(), 0);
-    for (int32_t s = 0; s < count; ++s) {
-        const ss_stress_case trial = {s, SS_STRESS_CASE_PROBE, 1e4, 0.1, 0};
-        ss_stress_case_plan_make(&trial, &plan);
-        const double *top = plan.specimen.rest[SS_STRESS_CASE_TOP_CENTRE];
-        const double touch = top[2] + SS_STRESS_CASE_TOOL_RADIUS;
-        const double in[3] = {top[0], top[1], touch - 0.003};
-        const double out[3] = {top[0], top[1], touch + 0.005};
-        world = make_planned(&plan);
-        a_fault_ends_by_itself(world, in, out);
-        destroy(world);
-    }
 }
 
 /* A tracker that jitters, at three depths: what is shaken is told, and is at rest again when the

@@ -301,7 +301,7 @@ static void step(ss_model *model, double time, double dt,
         if (!isfinite(model->u[at])) {
             memset(model->u, 0, 4 * (size_t)model->node_count * sizeof *model->u);
             model->verdict = SOFTSIM_VERDICT_FAULT;
-            model->reason = "not finite: back at rest, the simulation stands";
+            model->reason = "not finite: back at rest, waiting for reset";
             return;
         }
     }

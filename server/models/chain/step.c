@@ -57,7 +57,7 @@ static void fault(ss_model *model)
         ss_chain_tools_reset(model);
     }
     model->fault_bits |= SS_MODEL_FAULT_NOT_FINITE;
-    ss_chain_tell(model, SOFTSIM_VERDICT_FAULT, "not finite: back at rest, the simulation stands");
+    ss_chain_tell(model, SOFTSIM_VERDICT_FAULT, "not finite: back at rest, waiting for reset");
 }
 
 /* ---- alpha ---- */

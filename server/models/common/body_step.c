@@ -347,8 +347,7 @@ static bool substep(ss_body *body, ss_substeps *p)
     double h, fraction;
     ss_substeps_plan(p, body->longest, ss_substeps_needed(p, body->longest), &h, &fraction);
     if (!(h > 0.0)) {
-        restore_last_good(body,
-                          "no step is stable: last good state restored, the simulation stands");
+        restore_last_good(body, "no step is stable: last good state restored, waiting for reset");
         return false;
     }
     const double next = ss_substeps_next(p, fraction);

@@ -16,7 +16,7 @@
 #define SS_CLAMPED_REASON   "displacement beyond a hundred times the body was cut off"
 #define SS_SLOW_REASON      "needs more sub-steps than max_substeps: slower than real time"
 #define SS_GAIN_REASON      "spurious energy was removed from the motion"
-#define SS_KEPT_REASON      "not finite: last good state restored, the simulation stands"
+#define SS_KEPT_REASON      "not finite: last good state restored, waiting for reset"
 
 /* Where an outer step stands. */
 typedef struct ss_substeps {
