@@ -251,8 +251,9 @@ typedef struct ss_contact_set {
                          slides smoothly, as the deepest sample would not */
     double normal[3]; /* of the resultant there */
     double depth;     /* m, deepest penetration of the stepped tool; negative: nearest distance */
-    double engulfed;  /* m, the way out for a tool whose middle lies inside the closed surface, and
-                         which its contact holds off no longer; else 0 */
+    /* m, the way out for a tool whose middle lies inside the closed surface, and which its contact
+     * holds off no longer; else 0 */
+    double inside_depth;
     /* Of force and torque, what the contacts do not have: models whose samples are not all that
      * pushes the tool. 0 while held. */
     double other_force[3], other_torque[3];
@@ -270,14 +271,14 @@ void ss_contact_query_contacts(ss_contact_query *query, const ss_real *u, const 
                                double near, ss_contact_set *out_set);
 
 /* Is the tool inside the tissue, without a grasp that has it there? RT-safe. */
-static inline bool ss_contact_is_engulfed(const ss_contact_set *set)
+static inline bool ss_contact_is_inside(const ss_contact_set *set)
 {
-    return set->engulfed > 0.0 && !set->is_held;
+    return set->inside_depth > 0.0 && !set->is_held;
 }
 
 /* A result of the simulation as the haptic loop receives it: the contact set and what it was
  * computed for. One mailbox per probe, written after each step by the simulation thread. */
-typedef struct ss_local_model {
+typedef struct ss_simulation_result {
     int64_t tick;     /* haptic tick of the proxy target that was stepped to */
     int64_t step;     /* simulation step number, from 1 */
     double period;    /* s, simulation period h */
@@ -295,7 +296,7 @@ typedef struct ss_local_model {
     double stored;      /* J, kinetic and elastic, after that step */
     double load_work;   /* J, of loads, gravity and supports since start */
     ss_contact_set set;
-} ss_local_model;
+} ss_simulation_result;
 
 /* What the haptic loop wants the simulation to step to. One mailbox per probe. */
 typedef struct ss_proxy_target {

@@ -405,7 +405,7 @@ static void set_near(const ss_contact_query *query, const ss_real *u, const ss_t
     out_set->depth = -contact->gap;
 }
 
-/* ---- engulfed ---- */
+/* ---- inside the tissue ---- */
 
 /* How far a tool inside the tissue has to go to the nearest place outside. */
 static double way_out(const ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
@@ -462,7 +462,7 @@ void ss_contact_query_contacts(ss_contact_query *query, const ss_real *u, const 
     ss_frame frame;
     ss_contact_query_frame(query, pose, &frame);
     set_contacts(query, u, pose, &frame, near, out_set);
-    if (ss_contact_query_is_engulfed(query, u, pose, fmax(0.0, out_set->depth))) {
-        out_set->engulfed = way_out(query, u, pose, &frame);
+    if (ss_contact_query_is_inside(query, u, pose, fmax(0.0, out_set->depth))) {
+        out_set->inside_depth = way_out(query, u, pose, &frame);
     }
 }

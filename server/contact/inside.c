@@ -179,8 +179,8 @@ static bool is_wound_about(const ss_contact_query *query, const ss_real *u, cons
     return true;
 }
 
-bool ss_contact_query_is_engulfed(ss_contact_query *query, const ss_real *u,
-                                  const ss_tool_pose *pose, double deepest)
+bool ss_contact_query_is_inside(ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
+                                double deepest)
 {
     const ss_surface *surface = query->surface;
     double middle[3];

@@ -141,8 +141,8 @@ static inline void ss_contact_query_frame(const ss_contact_query *query, const s
 
 /* Does the tool's middle lie inside a closed surface, fitted to `u`? The deepest sample of the last
  * penalty, at `pose`, was `deepest` inside the tool. */
-bool ss_contact_query_is_engulfed(ss_contact_query *query, const ss_real *u,
-                                  const ss_tool_pose *pose, double deepest);
+bool ss_contact_query_is_inside(ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
+                                double deepest);
 
 /* Is the ball about the candidate's triangle further than `distance` from the tool? */
 static inline bool ss_candidate_is_beyond(const ss_frame *frame, const ss_candidate *c,

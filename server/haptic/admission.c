@@ -136,15 +136,15 @@ void ss_admission_fade(ss_admission *admission, int64_t tick, const double point
 void ss_admission_follow(ss_admission *admission, double period, const double point[3],
                          const double normal[3])
 {
-    const double share = 1.0 - exp(-period / ENTRY_SMOOTHING);
+    const double alpha = 1.0 - exp(-period / ENTRY_SMOOTHING);
     double move[3];
     ss_sub3(move, point, admission->entry_point);
-    ss_scale3(move, move, share);
+    ss_scale3(move, move, alpha);
     const double inward = -ss_dot3(move, admission->entry_normal);
     ss_madd3(move, move, fmax(0.0, inward - ENTRY_SPEED * period), admission->entry_normal);
     ss_add3(admission->entry_point, admission->entry_point, move);
     for (int i = 0; i < 3; ++i) {
-        admission->entry_normal[i] += share * (normal[i] - admission->entry_normal[i]);
+        admission->entry_normal[i] += alpha * (normal[i] - admission->entry_normal[i]);
     }
     if (ss_normalize3(admission->entry_normal) == 0.0) {
         ss_copy3(admission->entry_normal, normal);
@@ -196,25 +196,4 @@ int32_t ss_admission_flags(const ss_admission *admission)
         flags |= SOFTSIM_FORCE_MODEL_FAULT;
     }
     return flags;
-}
-
-bool ss_limit_force(double force[3], double limit)
-{
-    const double size = ss_norm3(force);
-    if (size <= limit) {
-        return false;
-    }
-    ss_scale3(force, force, limit / size);
-    return true;
-}
-
-bool ss_limit_slew(double force[3], const double last[3], double step)
-{
-    double change[3];
-    ss_sub3(change, force, last);
-    if (!ss_limit_force(change, step)) {
-        return false;
-    }
-    ss_add3(force, last, change);
-    return true;
 }

@@ -53,14 +53,14 @@
 #include "rt/vec.h"
 
 /* Stiffest coupling, N/m: stiffer gains nothing that a hand feels and costs digits. */
-#define STIFFEST 20000.0
+#define MAX_COUPLING_STIFFNESS 20000.0
 /* m: a slip, L c, beyond this is none: the local contact model has no stiffness against the force.
  */
-#define FARTHEST 10.0
+#define MAX_SLIP 10.0
 /* Of the limit: how near the force comes to it. */
 #define LIMIT_TOLERANCE 1e-9
 
-void ss_coupling_solve(double a[3][3], const double b[3], double out[3])
+void ss_cholesky_solve3(double a[3][3], const double b[3], double out[3])
 {
     /* a = L L^T, row by row. */
     const double l00 = sqrt(a[0][0]);
@@ -77,7 +77,7 @@ void ss_coupling_solve(double a[3][3], const double b[3], double out[3])
     out[0] = (y0 - l10 * out[1] - l20 * out[2]) / l00;
 }
 
-double ss_coupling_largest(double m[3][3])
+double ss_max_eigenvalue3(double m[3][3])
 {
     /* Characteristic polynomial by angle (Smith 1961): m = q I + s B with tr B = 0, |B| = sqrt 6.
      */
@@ -105,27 +105,27 @@ double ss_coupling_largest(double m[3][3])
 double ss_coupling_spring(double limit, double k)
 {
     const double compliance = 1.0 / limit - (k > 0.0 ? 1.0 / k : 0.0);
-    return 1.0 / fmax(1.0 / STIFFEST, compliance);
+    return 1.0 / fmax(1.0 / MAX_COUPLING_STIFFNESS, compliance);
 }
 
 /* The coupling's spring: `along` the axis, `across` it. */
-typedef struct tether {
+typedef struct coupling_spring {
     double along, across; /* N/m */
     const double *axis;   /* unit */
-} tether;
+} coupling_spring;
 
 /* The forces at p_free + d. */
 static void evaluate(const ss_balance *balance, const double d[3], double out_force[],
-                     double out_held[3])
+                     double out_grasp[3])
 {
     for (int32_t i = 0; i < balance->count; ++i) {
         const ss_balance_row *row = &balance->row[i];
         out_force[i] = fmax(0.0, row->free_force - row->slope * ss_dot3(row->normal, d));
     }
-    ss_set3(out_held, 0.0, 0.0, 0.0);
+    ss_set3(out_grasp, 0.0, 0.0, 0.0);
     if (balance->is_held) {
         for (int r = 0; r < 3; ++r) {
-            out_held[r] = balance->held_force[r] - ss_dot3(balance->held_slope[r], d);
+            out_grasp[r] = balance->grasp_force[r] - ss_dot3(balance->grasp_slope[r], d);
         }
     }
 }
@@ -154,7 +154,7 @@ static void local_slope(const ss_balance *balance, uint32_t active, double a[3][
 {
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) {
-            a[r][c] = balance->is_held ? balance->held_slope[r][c] : 0.0;
+            a[r][c] = balance->is_held ? balance->grasp_slope[r][c] : 0.0;
         }
     }
     for (int32_t i = 0; i < balance->count; ++i) {
@@ -164,14 +164,14 @@ static void local_slope(const ss_balance *balance, uint32_t active, double a[3][
     }
 }
 
-/* Slope of the balance's potential along s at d: s.K d - sum F_i(d) n_i.s - held(d).s */
-static double slope_along(const ss_balance *balance, const tether *spring, const double d[3],
-                          const double s[3])
+/* Slope of the balance's potential along s at d: s.K d - sum F_i(d) n_i.s - grasp(d).s */
+static double slope_along(const ss_balance *balance, const coupling_spring *spring,
+                          const double d[3], const double s[3])
 {
-    double force[SS_MAX_CONTACTS], held[3];
-    evaluate(balance, d, force, held);
+    double force[SS_MAX_CONTACTS], grasp[3];
+    evaluate(balance, d, force, grasp);
     double slope =
-        spring->across * ss_dot3(d, s) - ss_dot3(held, s) +
+        spring->across * ss_dot3(d, s) - ss_dot3(grasp, s) +
         (spring->along - spring->across) * ss_dot3(d, spring->axis) * ss_dot3(s, spring->axis);
     for (int32_t i = 0; i < balance->count; ++i) {
         slope -= force[i] * ss_dot3(balance->row[i].normal, s);
@@ -181,8 +181,8 @@ static double slope_along(const ss_balance *balance, const tether *spring, const
 
 /* Where on the way from d to d + s the potential is least: its slope is piecewise linear and
  * grows, with kinks where a contact begins or ends. */
-static double least_along(const ss_balance *balance, const tether *spring, const double d[3],
-                          const double s[3])
+static double least_along(const ss_balance *balance, const coupling_spring *spring,
+                          const double d[3], const double s[3])
 {
     double kink[SS_MAX_CONTACTS + 1];
     int count = 0;
@@ -216,7 +216,7 @@ static double least_along(const ss_balance *balance, const tether *spring, const
 }
 
 /* The proxy's displacement d when exactly the `active` contacts push. */
-static void solve_active(const ss_balance *balance, const tether *spring, uint32_t active,
+static void solve_active(const ss_balance *balance, const coupling_spring *spring, uint32_t active,
                          double out_d[3])
 {
     double a[3][3];
@@ -224,7 +224,7 @@ static void solve_active(const ss_balance *balance, const tether *spring, uint32
     local_slope(balance, active, a);
     for (int r = 0; r < 3; ++r) {
         a[r][r] += spring->across;
-        b[r] = balance->is_held ? balance->held_force[r] : 0.0;
+        b[r] = balance->is_held ? balance->grasp_force[r] : 0.0;
     }
     add_outer(a, spring->along - spring->across, spring->axis);
     for (int32_t i = 0; i < balance->count; ++i) {
@@ -232,25 +232,26 @@ static void solve_active(const ss_balance *balance, const tether *spring, uint32
             ss_madd3(b, b, balance->row[i].free_force, balance->row[i].normal);
         }
     }
-    ss_coupling_solve(a, b, out_d);
+    ss_cholesky_solve3(a, b, out_d);
 }
 
 /* Balances `spring` from displacement `d` on; returns the passes. */
-static int settle(const ss_balance *balance, const tether *spring, double d[3], ss_rest *rest)
+static int solve_balance(const ss_balance *balance, const coupling_spring *spring, double d[3],
+                         ss_rest *rest)
 {
-    evaluate(balance, d, rest->force, rest->held);
+    evaluate(balance, d, rest->force, rest->grasp);
     int pass = 0;
     for (bool is_settled = false; !is_settled && pass < SS_BALANCE_PASSES; ++pass) {
         const uint32_t active = active_rows(balance, rest->force);
         double next[3];
         solve_active(balance, spring, active, next);
-        evaluate(balance, next, rest->force, rest->held);
+        evaluate(balance, next, rest->force, rest->grasp);
         is_settled = active_rows(balance, rest->force) == active;
         if (!is_settled) {
             double step[3];
             ss_sub3(step, next, d);
             ss_madd3(next, d, least_along(balance, spring, d, step), step);
-            evaluate(balance, next, rest->force, rest->held);
+            evaluate(balance, next, rest->force, rest->grasp);
         }
         ss_copy3(d, next);
     }
@@ -261,7 +262,7 @@ static int settle(const ss_balance *balance, const tether *spring, double d[3], 
 static double sum_forces(const ss_balance *balance, const ss_rest *rest, double out_local[3],
                          double out_whole[3])
 {
-    ss_copy3(out_local, rest->held);
+    ss_copy3(out_local, rest->grasp);
     for (int32_t i = 0; i < balance->count; ++i) {
         ss_madd3(out_local, out_local, rest->force[i], balance->row[i].normal);
     }
@@ -270,36 +271,37 @@ static double sum_forces(const ss_balance *balance, const ss_rest *rest, double 
 }
 
 /* -d|F|/dc of a spring with compliance c along its axis (or all ways: then along the force). */
-static double fall_of_force(const ss_balance *balance, const ss_rest *rest, const tether *spring,
-                            const double d[3], const double whole[3], double size)
+static double force_decrease_rate(const ss_balance *balance, const ss_rest *rest,
+                                  const coupling_spring *spring, const double d[3],
+                                  const double whole[3], double size)
 {
-    double a[3][3], local[3][3], way[3], turn[3], change[3];
-    const bool is_even = spring->along == spring->across;
+    double a[3][3], local[3][3], rhs[3], solution[3], force_rate[3];
+    const bool is_isotropic = spring->along == spring->across;
     local_slope(balance, active_rows(balance, rest->force), local);
     memcpy(a, local, sizeof a);
     for (int r = 0; r < 3; ++r) {
         a[r][r] += spring->across;
     }
     add_outer(a, spring->along - spring->across, spring->axis);
-    ss_scale3(way, spring->axis, ss_dot3(spring->axis, d));
-    ss_scale3(way, is_even ? d : way, spring->along * spring->along);
-    ss_coupling_solve(a, way, turn);
+    ss_scale3(rhs, spring->axis, ss_dot3(spring->axis, d));
+    ss_scale3(rhs, is_isotropic ? d : rhs, spring->along * spring->along);
+    ss_cholesky_solve3(a, rhs, solution);
     for (int r = 0; r < 3; ++r) {
-        change[r] = ss_dot3(local[r], turn);
+        force_rate[r] = ss_dot3(local[r], solution);
     }
-    return ss_dot3(whole, change) / size;
+    return ss_dot3(whole, force_rate) / size;
 }
 
 /* Softens the spring from displacement `d` on, along its axis or all ways, until the force is the
  * limit; adds the passes. False when no softness brings it there. */
-static bool soften(const ss_balance *balance, const double axis[3], bool is_even, double d[3],
+static bool soften(const ss_balance *balance, const double axis[3], bool is_isotropic, double d[3],
                    ss_rest *rest, int *inout_passes)
 {
     const double limit = balance->limit;
     const double stiffest = 1.0 / balance->spring;
-    const double softest = fmax(2.0 * stiffest, FARTHEST / limit);
+    const double softest = fmax(2.0 * stiffest, MAX_SLIP / limit);
     double low = stiffest, high = INFINITY, c = stiffest;
-    tether spring = {balance->spring, balance->spring, axis};
+    coupling_spring spring = {balance->spring, balance->spring, axis};
     for (int i = 0; i < SS_LIMIT_TRIES; ++i) {
         double local[3], whole[3];
         const double size = sum_forces(balance, rest, local, whole);
@@ -310,14 +312,14 @@ static bool soften(const ss_balance *balance, const double axis[3], bool is_even
             return false;
         }
         *(size > limit ? &low : &high) = c;
-        const double fall = fall_of_force(balance, rest, &spring, d, whole, size);
-        const double newton = c + size * (size - limit) / (limit * fall);
+        const double rate = force_decrease_rate(balance, rest, &spring, d, whole, size);
+        const double newton = c + size * (size - limit) / (limit * rate);
         const double middle = high < INFINITY ? sqrt(low * high) : softest;
         c = newton > low && newton < fmin(high, softest) ? newton : middle;
         spring.along = 1.0 / c;
-        spring.across = is_even ? spring.along : spring.across;
-        rest->share = stiffest / c;
-        *inout_passes += settle(balance, &spring, d, rest);
+        spring.across = is_isotropic ? spring.along : spring.across;
+        rest->stiffness_fraction = stiffest / c;
+        *inout_passes += solve_balance(balance, &spring, d, rest);
     }
     return true;
 }
@@ -325,9 +327,9 @@ static bool soften(const ss_balance *balance, const double axis[3], bool is_even
 int ss_coupling_balance(const ss_balance *balance, ss_rest *out_rest)
 {
     double d[3] = {0.0, 0.0, 0.0}, axis[3] = {0.0, 0.0, 0.0}, start[3], whole[3];
-    const tether spring = {balance->spring, balance->spring, axis};
-    int passes = settle(balance, &spring, d, out_rest);
-    out_rest->share = 1.0;
+    const coupling_spring spring = {balance->spring, balance->spring, axis};
+    int passes = solve_balance(balance, &spring, d, out_rest);
+    out_rest->stiffness_fraction = 1.0;
     if (sum_forces(balance, out_rest, axis, whole) > balance->limit) {
         const ss_rest stiff = *out_rest;
         ss_copy3(start, d);
@@ -339,7 +341,7 @@ int ss_coupling_balance(const ss_balance *balance, ss_rest *out_rest)
         if (!is_soft) {
             *out_rest = stiff;
             ss_copy3(d, start);
-            is_soft = soften(balance, axis, true, d, out_rest, &passes) || ss_norm3(d) < FARTHEST;
+            is_soft = soften(balance, axis, true, d, out_rest, &passes) || ss_norm3(d) < MAX_SLIP;
         }
         if (!is_soft) {
             *out_rest = stiff;

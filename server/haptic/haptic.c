@@ -47,7 +47,7 @@ struct ss_haptic {
     uint32_t epoch;
     /* It came back before its ramp was over: what it left is ramped down first. */
     bool is_returning;
-    softsim_pose left;
+    softsim_pose left_pose;
     double v[3];
     double mean_v[3]; /* v, smoothed: what v is ahead of it is acceleration */
     bool is_pressed;
@@ -61,7 +61,7 @@ struct ss_haptic {
     bool is_fault;
     int64_t result_tick;
     double model_force[3], surface_point[3], surface_normal[3], surface_depth, surface_proxy[3];
-    double engulfed; /* m, 0: the tissue holds the tool off, or is not near */
+    double inside_depth; /* m, 0: the tissue holds the tool off, or is not near */
     /* state: output */
     int32_t bad_streak;
     int64_t bad_inputs;
@@ -84,14 +84,14 @@ static bool is_pose_finite(const softsim_pose *pose)
     return ss_is_finite(pose->position, 3) && ss_is_finite(pose->orientation, 4);
 }
 
-static bool is_result_finite(const ss_local_model *result)
+static bool is_result_finite(const ss_simulation_result *result)
 {
     const ss_contact_set *set = &result->set;
     bool is_good = isfinite(result->period) && ss_is_finite(result->proxy, 3) &&
                    ss_is_finite(result->velocity, 3) && ss_is_finite(set->force, 3) &&
                    ss_is_finite(set->torque, 3) && ss_is_finite(set->other_force, 3) &&
                    ss_is_finite(set->other_torque, 3) && isfinite(set->depth) &&
-                   isfinite(set->step_stiffness) && isfinite(set->engulfed) &&
+                   isfinite(set->step_stiffness) && isfinite(set->inside_depth) &&
                    ss_is_finite(set->point, 3) && ss_is_finite(result->outward, 3) &&
                    ss_is_finite(set->normal, 3);
     for (int32_t i = 0; is_good && i < set->count && i < SS_MAX_CONTACTS; ++i) {
@@ -105,7 +105,7 @@ static bool is_result_finite(const ss_local_model *result)
 }
 
 /* Finite, but plausible? */
-static bool is_result_sound(const ss_local_model *result, int64_t tick)
+static bool is_result_sound(const ss_simulation_result *result, int64_t tick)
 {
     if (result->set.count < 0 || result->set.count > SS_MAX_CONTACTS || result->tick > tick ||
         result->period <= 0.0) {
@@ -150,17 +150,17 @@ static void filter_velocity(ss_haptic *haptic, const softsim_pose *pose, int64_t
         ss_copy3(haptic->v, pose->velocity);
     } else {
         const double elapsed = pose_interval(haptic, pose, tick);
-        const double share = 1.0 - exp(-TWO_PI * VELOCITY_CORNER * elapsed);
+        const double alpha = 1.0 - exp(-TWO_PI * VELOCITY_CORNER * elapsed);
         for (int i = 0; i < 3; ++i) {
             const double raw = (pose->position[i] - haptic->pose.position[i]) / elapsed;
-            haptic->v[i] += share * (raw - haptic->v[i]);
+            haptic->v[i] += alpha * (raw - haptic->v[i]);
         }
     }
-    ss_limit_force(haptic->v, SPEED_MAX);
+    ss_clamp_norm3(haptic->v, SPEED_MAX);
     const double elapsed = pose_interval(haptic, pose, tick);
-    const double share = 1.0 - exp(-TWO_PI * ACCELERATION_CORNER * elapsed);
+    const double alpha = 1.0 - exp(-TWO_PI * ACCELERATION_CORNER * elapsed);
     for (int i = 0; i < 3; ++i) {
-        haptic->mean_v[i] += share * (haptic->v[i] - haptic->mean_v[i]);
+        haptic->mean_v[i] += alpha * (haptic->v[i] - haptic->mean_v[i]);
     }
 }
 
@@ -201,7 +201,7 @@ static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
     }
     if (is_new_epoch && !is_new_holder && !haptic->is_returning) {
         haptic->is_returning = true;
-        haptic->left = haptic->pose;
+        haptic->left_pose = haptic->pose;
     }
     ss_observer_pose(&haptic->observer, &haptic->config, pose, tick);
     take_button(haptic, pose, tick);
@@ -240,11 +240,11 @@ static void place_proxy(ss_haptic *haptic)
     ++haptic->teleports;
 }
 
-static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning begins)
+static void step_admission(ss_haptic *haptic, const ss_haptic_input *input, beginning begins)
 {
     const bool is_reset = input->starts != haptic->starts;
     haptic->starts = input->starts;
-    const ss_admission_input learnt = {
+    const ss_admission_input admission_input = {
         .tick = input->tick,
         .period = haptic->config.period,
         .pose_tick = haptic->pose_tick,
@@ -258,7 +258,7 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
         .result_tick = haptic->result_tick,
         .has_force = ss_norm3(haptic->last_force) > 0.0,
     };
-    if (ss_admission_step(&haptic->admission, &learnt)) {
+    if (ss_admission_step(&haptic->admission, &admission_input)) {
         place_proxy(haptic);
     }
 }
@@ -267,7 +267,7 @@ static void step_gate(ss_haptic *haptic, const ss_haptic_input *input, beginning
  * left. */
 static const softsim_pose *held_pose(const ss_haptic *haptic)
 {
-    return haptic->is_returning && haptic->admission.phase == SS_PHASE_RAMPING ? &haptic->left
+    return haptic->is_returning && haptic->admission.phase == SS_PHASE_RAMPING ? &haptic->left_pose
                                                                                : &haptic->pose;
 }
 
@@ -290,8 +290,8 @@ static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
 static void patch_pose(const ss_haptic *haptic, const double x[3], double out[3])
 {
     const ss_slip *slip = &haptic->slip;
-    ss_madd3(out, x, slip->has_let_go ? 0.0 : 1.0, slip->aside);
-    if (slip->share < 1.0) {
+    ss_madd3(out, x, slip->is_from_grasp ? 0.0 : 1.0, slip->aside);
+    if (slip->stiffness_fraction < 1.0) {
         ss_madd3(out, out, fmax(0.0, slip->length), slip->direction);
     }
     const ss_local_contact_other *other = &haptic->local.other;
@@ -299,7 +299,7 @@ static void patch_pose(const ss_haptic *haptic, const double x[3], double out[3]
 }
 
 /* Does the tool touch, where it was placed? */
-static bool is_touching(const ss_local_model *result)
+static bool is_touching(const ss_simulation_result *result)
 {
     double most = 0.0;
     for (int32_t i = 0; i < result->set.count; ++i) {
@@ -310,25 +310,26 @@ static bool is_touching(const ss_local_model *result)
 }
 
 /* The proxy goes out to the surface at once, and is let in by fading, from no force on. */
-static void enter(ss_haptic *haptic, int64_t tick, const double point[3], const double normal[3])
+static void enter_from_surface(ss_haptic *haptic, int64_t tick, const double point[3],
+                               const double normal[3])
 {
     double v[3];
     ss_admission_fade(&haptic->admission, tick, point, normal);
-    haptic->local.viscous = 0.0;
+    haptic->local.viscosity_fraction = 0.0;
     used_pose(haptic, haptic->p, v);
     ss_local_contact_begin(&haptic->local, haptic->p, haptic->p, haptic->pdot);
     ++haptic->entries;
 }
 
 /* A result for where the proxy is now: the local contact model, and entry if it is the first. */
-static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t tick)
+static void use_result(ss_haptic *haptic, const ss_simulation_result *result, int64_t tick)
 {
     ss_local_contact *local = &haptic->local;
     const bool is_first = haptic->admission.phase == SS_PHASE_WAITING;
     double x[3], v[3], at[3], normal[3], point[3], depth = 0.0;
     used_pose(haptic, x, v);
     patch_pose(haptic, x, at);
-    if (!is_first && haptic->is_pressed && result->set.is_held && !local->held.is_held) {
+    if (!is_first && haptic->is_pressed && result->set.is_held && !local->grasp.is_held) {
         ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
     ss_local_contact_take(local, result, &haptic->config, tick, haptic->yield.spring, at, haptic->p,
@@ -336,9 +337,9 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
     const bool is_near =
         ss_local_contact_surface(local, haptic->pose.position, normal, point, &depth);
     if (result->is_found_inside) {
-        enter(haptic, tick, result->proxy, result->outward);
+        enter_from_surface(haptic, tick, result->proxy, result->outward);
     } else if (is_first && is_touching(result)) {
-        enter(haptic, tick, point, normal);
+        enter_from_surface(haptic, tick, point, normal);
     } else if (is_first) {
         ss_admission_enter(&haptic->admission);
     } else if (is_near) {
@@ -349,7 +350,7 @@ static void use_result(ss_haptic *haptic, const ss_local_model *result, int64_t 
 /* Takes a fresh result; returns true when there was a good one. */
 static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
 {
-    const ss_local_model *result = input->result;
+    const ss_simulation_result *result = input->result;
     if (!input->is_result_new || result == NULL) {
         return false;
     }
@@ -367,7 +368,7 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
     ss_copy3(haptic->surface_normal, result->set.normal);
     ss_copy3(haptic->surface_proxy, result->proxy);
     haptic->surface_depth = result->set.depth;
-    haptic->engulfed = ss_contact_is_engulfed(&result->set) ? result->set.engulfed : 0.0;
+    haptic->inside_depth = ss_contact_is_inside(&result->set) ? result->set.inside_depth : 0.0;
     const ss_phase phase = haptic->admission.phase;
     /* The model may have heard of a reset before we do, or after. */
     if (phase != SS_PHASE_SILENT && phase != SS_PHASE_RAMPING && !input->is_paused &&
@@ -379,18 +380,18 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
 
 /* The proxy stays where it is. Moved to the hand at once, the proxy would drag the nodes that the
  * model still grasps. */
-static void let_go(ss_haptic *haptic, const double x[3], const double v[3])
+static void hold_proxy_after_grasp(ss_haptic *haptic, const double x[3], const double v[3])
 {
     const double damping = haptic->config.damping;
     double aside[3];
     for (int i = 0; i < 3; ++i) {
         double load = damping * v[i] + haptic->local.residual[i];
         for (int32_t k = 0; k < haptic->local.count; ++k) {
-            load += haptic->local.contact[k].value * haptic->local.contact[k].direction[i];
+            load += haptic->local.contact[k].last_force * haptic->local.contact[k].direction[i];
         }
         aside[i] = haptic->p[i] - x[i] - load / haptic->yield.spring;
     }
-    ss_slip_let_go(&haptic->slip, aside, haptic->config.period);
+    ss_slip_keep_aside(&haptic->slip, aside, haptic->config.period);
     ss_yield_clear(&haptic->yield);
 }
 
@@ -402,12 +403,12 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
     ss_local_contact *local = &haptic->local;
     const bool is_refused =
         is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
-    if (local->held.is_held && (!haptic->is_pressed || is_refused)) {
+    if (local->grasp.is_held && (!haptic->is_pressed || is_refused)) {
         double at[3];
         patch_pose(haptic, x, at);
         ss_local_contact_release(local, at, haptic->p, haptic->pdot, haptic->slip.limit);
-        let_go(haptic, x, v);
-    } else if (!local->held.is_held && input->tick == haptic->press_tick &&
+        hold_proxy_after_grasp(haptic, x, v);
+    } else if (!local->grasp.is_held && input->tick == haptic->press_tick &&
                ss_local_contact_active_count(local) > 0) {
         ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
@@ -422,7 +423,7 @@ static void update_spring(ss_haptic *haptic)
     double tissue[3][3];
     ss_local_contact_stiffness(&haptic->local, is_in_contact, tissue);
     double wanted = ss_coupling_spring(ss_passivity_limit(&haptic->passivity, &haptic->observer),
-                                       ss_coupling_largest(tissue));
+                                       ss_max_eigenvalue3(tissue));
     if (config->between_steps != SS_BETWEEN_LOCAL) {
         /* Without a law the tissue has no stiffness: nothing to share it with. */
         wanted = ss_coupling_spring(INFINITY, 0.0);
@@ -459,7 +460,7 @@ static void update_limit(ss_haptic *haptic, int64_t tick)
                        felt_stiffness(haptic, slip->direction));
     if (is_lowered) {
         /* The proxy goes out as fast as that asks: what is viscous in the tissue holds it back. */
-        haptic->local.viscous = 1.0;
+        haptic->local.viscosity_fraction = 1.0;
     }
 }
 
@@ -482,7 +483,7 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
                             damper * haptic->p[i] + beside[i];
         balance->p_free[i] = pull / balance->spring;
     }
-    if (slip->share < 1.0) {
+    if (slip->stiffness_fraction < 1.0) {
         ss_copy3(balance->axis, slip->direction);
     }
     double at[3];
@@ -497,13 +498,13 @@ static void damp(ss_haptic *haptic, const double v[3], double force[3])
                              .velocity = {v[0], v[1], v[2]},
                              .stiffness = haptic->output.force.stiffness,
                              .corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0,
-                             .is_grasping = haptic->local.held.is_held};
+                             .is_grasping = haptic->local.grasp.is_held};
     ss_sub3(now.acceleration, haptic->v, haptic->mean_v);
     ss_scale3(now.acceleration, now.acceleration, TWO_PI * ACCELERATION_CORNER);
     ss_passivity_damp(&haptic->passivity, &haptic->observer, &now, force);
 }
 
-/* Balances the proxy against the local contact model within the limit; writes the values of the
+/* Balances the proxy against the local contact model within the limit; writes the forces of the
  * local contact model, p and the whole force. Returns true when limited. */
 static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], const double v[3],
                           double out_force[3])
@@ -515,30 +516,30 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     set_balance(haptic, x, v, &balance);
     ss_coupling_balance(&balance, &rest);
     for (int32_t i = 0; i < local->count; ++i) {
-        local->contact[i].value = i < balance.count ? rest.force[i] : 0.0;
+        local->contact[i].last_force = i < balance.count ? rest.force[i] : 0.0;
     }
-    ss_copy3(local->held.value, rest.held);
+    ss_copy3(local->grasp.last_force, rest.grasp);
     ss_local_contact_force(local, out_force);
     double along[3], hand[3];
     ss_add3(hand, x, haptic->slip.aside);
     ss_yield_take(&haptic->yield, hand, rest.p);
     ss_sub3(along, out_force, balance.other);
     ss_slip_take(&haptic->slip, &balance, &rest, along, haptic->yield.spring, config->period);
-    ss_local_contact_settle(local, haptic->slip.direction, ss_norm3(along));
+    ss_local_contact_clip_residual(local, haptic->slip.direction, ss_norm3(along));
     ss_local_contact_force(local, out_force);
-    if (config->between_steps != SS_BETWEEN_LOCAL && !local->held.is_held) {
+    if (config->between_steps != SS_BETWEEN_LOCAL && !local->grasp.is_held) {
         ss_local_contact_extrapolate(local, config, tick, out_force);
     }
     damp(haptic, v, out_force);
-    const bool is_cut = ss_limit_force(out_force, haptic->slip.limit);
-    double off[3];
-    ss_sub3(off, rest.p, x);
+    const bool is_cut = ss_clamp_norm3(out_force, haptic->slip.limit);
+    double pose_to_proxy[3];
+    ss_sub3(pose_to_proxy, rest.p, x);
     haptic->slip.length =
-        ss_dot3(off, haptic->slip.direction) - ss_norm3(out_force) / haptic->yield.spring;
+        ss_dot3(pose_to_proxy, haptic->slip.direction) - ss_norm3(out_force) / haptic->yield.spring;
     ss_sub3(haptic->pdot, rest.p, haptic->p);
     ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
     ss_copy3(haptic->p, rest.p);
-    return is_cut || rest.share < 1.0;
+    return is_cut || rest.stiffness_fraction < 1.0;
 }
 
 /* ---- output ---- */
@@ -553,13 +554,14 @@ static int32_t age_us(const ss_haptic *haptic, int64_t tick)
  * tool inside the tissue, the depth as of that result. As a plane it has no end: a tool that
  * has come out on the far side while its proxy is held on this one is no deeper than the body is
  * thick. */
-static void write_surface(const ss_haptic *haptic, bool is_in_contact, bool is_engulfed,
+static void write_surface(const ss_haptic *haptic, bool is_in_contact, bool is_inside,
                           softsim_force *force)
 {
     const ss_local_contact *local = &haptic->local;
     int32_t strongest = 0;
     for (int32_t i = 1; i < local->count; ++i) {
-        strongest = local->contact[i].value > local->contact[strongest].value ? i : strongest;
+        strongest =
+            local->contact[i].last_force > local->contact[strongest].last_force ? i : strongest;
     }
     ss_copy3(force->normal,
              local->count > 0 ? local->contact[strongest].direction : haptic->surface_normal);
@@ -574,8 +576,8 @@ static void write_surface(const ss_haptic *haptic, bool is_in_contact, bool is_e
         const double depth = haptic->surface_depth + ss_dot3(haptic->surface_normal, inward);
         force->depth = fmin(fmax(0.0, depth), haptic->config.thickness);
     }
-    if (is_engulfed) {
-        force->depth = fmin(haptic->engulfed, haptic->config.thickness);
+    if (is_inside) {
+        force->depth = fmin(haptic->inside_depth, haptic->config.thickness);
     }
 }
 
@@ -605,12 +607,12 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     force->pose_seq = haptic->pose.seq;
     force->pose_utime_us = haptic->pose.utime_us;
     force->model_age_us = age_us(haptic, input->tick);
-    const bool is_engulfed = haptic->engulfed > 0.0 && gain_of(haptic) > 0.0;
+    const bool is_inside = haptic->inside_depth > 0.0 && gain_of(haptic) > 0.0;
     /* A decaying force still counts as contact; so does a tool inside the tissue. */
-    const bool is_felt = is_in_contact || is_engulfed || ss_norm3(sent) > 0.0;
+    const bool is_felt = is_in_contact || is_inside || ss_norm3(sent) > 0.0;
     force->contact_count = is_in_contact ? active : is_felt ? 1 : 0;
     force->flags = flags | (is_felt ? SOFTSIM_FORCE_CONTACT : 0) |
-                   (haptic->local.held.is_held ? SOFTSIM_FORCE_GRASPING : 0);
+                   (haptic->local.grasp.is_held ? SOFTSIM_FORCE_GRASPING : 0);
     ss_copy3(force->force, sent);
     ss_set3(force->torque, 0.0, 0.0, 0.0);
     if (haptic->config.tool_gyration > 0.0 && size > 0.0) {
@@ -619,7 +621,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     }
     ss_copy3(force->model_force, haptic->model_force);
     ss_copy3(force->proxy, haptic->p);
-    write_surface(haptic, is_in_contact, is_engulfed, force);
+    write_surface(haptic, is_in_contact, is_inside, force);
     const int32_t hidden = SOFTSIM_FORCE_LIMITED | SOFTSIM_FORCE_RAMPING;
     double tissue[3][3];
     /* Over the span in which a client corrects with it. */
@@ -644,10 +646,10 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     memcpy(target->orientation, held_pose(haptic)->orientation, sizeof target->orientation);
     /* Where the coupling yields to the limit the hand sinks in without the proxy. */
     const double *out = haptic->slip.direction;
-    const double share = haptic->slip.share;
-    ss_madd3(target->velocity, v, (share - 1.0) * ss_dot3(v, out), out);
+    const double fraction = haptic->slip.stiffness_fraction;
+    ss_madd3(target->velocity, v, (fraction - 1.0) * ss_dot3(v, out), out);
     /* What the hand is slowed down by on a wall is the coupling's, not the tissue's. */
-    const double led = share * (1.0 - felt_stiffness(haptic, out) / haptic->yield.spring);
+    const double led = fraction * (1.0 - felt_stiffness(haptic, out) / haptic->yield.spring);
     ss_sub3(target->acceleration, haptic->v, haptic->mean_v);
     ss_scale3(target->acceleration, target->acceleration, TWO_PI * ACCELERATION_CORNER);
     const double along = ss_dot3(target->acceleration, out);
@@ -711,6 +713,53 @@ static void repeat_force(ss_haptic *haptic, int64_t tick)
     write_sums(haptic);
 }
 
+/* The ramp's share of the force, and the slew limit. */
+static void ramp_and_limit_slew(ss_haptic *haptic, const ss_haptic_input *input,
+                                const double whole[3], bool is_limited, int32_t *inout_flags,
+                                double out_sent[3])
+{
+    const double gain = gain_of(haptic);
+    ss_scale3(out_sent, whole, gain);
+    if (haptic->admission.phase == SS_PHASE_RAMPING) {
+        /* The local contact model's offsets still change during the ramp; they must not raise the
+         * ramped force. */
+        ss_clamp_norm3(out_sent, gain * haptic->ramp_from);
+    } else {
+        haptic->ramp_from = ss_norm3(out_sent);
+    }
+    const double step = slew_step(haptic, input->tick);
+    is_limited = ss_clamp_change3(out_sent, haptic->last_force, step) || is_limited;
+    *inout_flags |= is_limited ? SOFTSIM_FORCE_LIMITED : 0;
+}
+
+/* State that affects later forces but not the forces sent so far: the pose, and what the force
+ * limit, an update, an ended grasp and an entry leave. */
+static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
+{
+    const double *const vector[] = {haptic->pose.position,
+                                    haptic->pdot,
+                                    haptic->mean_v,
+                                    haptic->slip.direction,
+                                    haptic->slip.aside,
+                                    haptic->yield.rest,
+                                    haptic->yield.stretch,
+                                    haptic->left_pose.position,
+                                    haptic->admission.entry_point,
+                                    haptic->admission.entry_normal};
+    const double number[] = {haptic->slip.stiffness_fraction, haptic->slip.length,
+                             haptic->admission.held_back, haptic->ramp_from,
+                             haptic->passivity.share};
+    const uint8_t flag[] = {(uint8_t)haptic->slip.stay, haptic->slip.is_from_grasp,
+                            haptic->is_pressed, haptic->is_returning};
+    for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
+        hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
+    }
+    hash = ss_hash_bytes(hash, number, sizeof number);
+    hash = ss_hash_bytes(hash, flag, sizeof flag);
+    hash = ss_hash_bytes(hash, &haptic->entries, sizeof haptic->entries);
+    return ss_local_contact_hash(&haptic->local, hash);
+}
+
 /* ---- public ---- */
 
 void ss_haptic_configure(ss_haptic *haptic, const ss_haptic_config *config)
@@ -733,7 +782,7 @@ ss_haptic *ss_haptic_create(const ss_haptic_config *config)
     ss_observer_restart(&haptic->observer, &haptic->config, false);
     ss_passivity_init(&haptic->passivity);
     haptic->yield.spring = haptic->observer.limit;
-    haptic->slip = (ss_slip){.limit = haptic->config.max_force, .share = 1.0};
+    haptic->slip = (ss_slip){.limit = haptic->config.max_force, .stiffness_fraction = 1.0};
     return haptic;
 }
 
@@ -760,30 +809,8 @@ void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double
     }
     const double square = ss_dot3(bend, bend) / (PREDICT_BEND_MOST * PREDICT_BEND_MOST);
     ss_madd3(move, move, 1.0 / (1.0 + square * square), bend);
-    ss_limit_force(move, PREDICT_MOVE_MAX);
+    ss_clamp_norm3(move, PREDICT_MOVE_MAX);
     ss_add3(out_position, target->proxy, move);
-}
-
-/* State that affects later forces but not the forces sent so far: the pose, and what the force
- * limit, an update, an ended grasp and an entry leave. */
-static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
-{
-    const double *const vector[] = {
-        haptic->pose.position,         haptic->pdot,          haptic->mean_v,
-        haptic->slip.direction,        haptic->slip.aside,    haptic->yield.rest,
-        haptic->yield.stretch,         haptic->left.position, haptic->admission.entry_point,
-        haptic->admission.entry_normal};
-    const double number[] = {haptic->slip.share, haptic->slip.length, haptic->admission.held_back,
-                             haptic->ramp_from, haptic->passivity.share};
-    const uint8_t flag[] = {(uint8_t)haptic->slip.stay, haptic->slip.has_let_go, haptic->is_pressed,
-                            haptic->is_returning};
-    for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
-        hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
-    }
-    hash = ss_hash_bytes(hash, number, sizeof number);
-    hash = ss_hash_bytes(hash, flag, sizeof flag);
-    hash = ss_hash_bytes(hash, &haptic->entries, sizeof haptic->entries);
-    return ss_local_contact_hash(&haptic->local, hash);
 }
 
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
@@ -801,24 +828,6 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
     hash = ss_hash_bytes(hash, state, sizeof state);
     hash = ss_hash_bytes(hash, number, sizeof number);
     return haptic->has_pose ? hash_hidden(haptic, hash) : hash;
-}
-
-/* The ramp's share of the force, and the slew limit. */
-static void settle_force(ss_haptic *haptic, const ss_haptic_input *input, const double whole[3],
-                         bool is_limited, int32_t *inout_flags, double out_sent[3])
-{
-    const double gain = gain_of(haptic);
-    ss_scale3(out_sent, whole, gain);
-    if (haptic->admission.phase == SS_PHASE_RAMPING) {
-        /* The local contact model's offsets still change during the ramp; they must not raise the
-         * ramped force. */
-        ss_limit_force(out_sent, gain * haptic->ramp_from);
-    } else {
-        haptic->ramp_from = ss_norm3(out_sent);
-    }
-    const double step = slew_step(haptic, input->tick);
-    is_limited = ss_limit_slew(out_sent, haptic->last_force, step) || is_limited;
-    *inout_flags |= is_limited ? SOFTSIM_FORCE_LIMITED : 0;
 }
 
 void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_output *output)
@@ -840,10 +849,10 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
                          ss_local_contact_active_count(&haptic->local) > 0, tick);
         ss_passivity_step(&haptic->passivity, &haptic->observer, haptic->config.period,
                           ss_local_contact_active_count(&haptic->local) > 0);
-        step_gate(haptic, input, begins);
+        step_admission(haptic, input, begins);
         ss_local_contact_decay(
             &haptic->local, haptic->config.period,
-            haptic->slip.share < 1.0 ? 1.0 : ss_admission_left(&haptic->admission),
+            haptic->slip.stiffness_fraction < 1.0 ? 1.0 : ss_admission_left(&haptic->admission),
             haptic->yield.spring + haptic->config.damping / haptic->config.period);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
@@ -853,7 +862,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         const bool is_limited = balance_proxy(haptic, tick, x, v, whole);
         int32_t flags =
             ss_admission_flags(&haptic->admission) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
-        settle_force(haptic, input, whole, is_limited, &flags, sent);
+        ramp_and_limit_slew(haptic, input, whole, is_limited, &flags, sent);
         if (ss_is_finite(sent, 3) && ss_is_finite(haptic->p, 3)) {
             write_force(haptic, input, sent, whole, flags);
             write_target(haptic, input, v);

@@ -41,9 +41,9 @@ typedef struct ss_haptic_input {
     int64_t tick;             /* number of this haptic period, from 1 */
     const softsim_pose *pose; /* accepted poses since the last tick, oldest first */
     int32_t pose_count;
-    uint32_t sender_epoch;        /* grows when the probe's holder changes or returns */
-    const ss_local_model *result; /* newest result, NULL before the first */
-    bool is_result_new;           /* it arrived since the last tick */
+    uint32_t sender_epoch;              /* grows when the probe's holder changes or returns */
+    const ss_simulation_result *result; /* newest result, NULL before the first */
+    bool is_result_new;                 /* it arrived since the last tick */
     bool is_paused;
     uint32_t starts;  /* resets and resumes so far: after each, enter again */
     bool is_stopping; /* ramp to zero and stay */

@@ -4,7 +4,7 @@
 /*
  * The parts of one haptic tick, shared by the files of this folder and by its tests.
  *
- * admission.c  the admission gate: ramps (watchdog, pause, fault, stop), entry into tissue; slew
+ * admission.c  the admission gate: ramps (watchdog, pause, fault, stop), entry into tissue
  * local_contact.c        the local contact model as a law affine in the proxy, offsets, grasp
  * coupling.c   the yielding spring between hand and proxy, the balance, the force limit
  * yield.c      the spring's stiffness, which follows the tissue's
@@ -55,19 +55,19 @@ typedef struct ss_local_contact_point {
     double offset;          /* N, o */
     double drift;           /* N, the offset's mean of some ms, at the limit */
     double direction[3];    /* n', the normal bent by the curvature */
-    double value;           /* N, F(p) >= 0 of the last tick */
+    double last_force;      /* N, F(p) >= 0 of the last tick */
 } ss_local_contact_point;
 
 /* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity) + offset, all
  * directions. */
-typedef struct ss_local_contact_held {
+typedef struct ss_local_contact_grasp {
     bool is_held;
     double force[3], position[3], velocity[3];
     double stiffness[3][3], viscosity[3][3];
     double tangent[3][3]; /* N/m, the model's: `stiffness` errs high */
     double offset[3];     /* N, o */
-    double value[3];      /* N, F(p) of the last tick */
-} ss_local_contact_held;
+    double last_force[3]; /* N, F(p) of the last tick */
+} ss_local_contact_grasp;
 
 /* What pushes the tool beside its contacts: of the last result, and as far as it acts by now. */
 typedef struct ss_local_contact_other {
@@ -80,19 +80,19 @@ typedef struct ss_local_contact {
     bool is_known; /* a result was taken since the proxy was placed */
     int32_t count;
     ss_local_contact_point contact[SS_MAX_CONTACTS];
-    ss_local_contact_held held;
+    ss_local_contact_grasp grasp;
     ss_local_contact_other other;
-    bool is_apart;         /* entering, or at the limit */
-    int64_t tick;          /* of the result */
-    double result_period;  /* s, h */
-    double step_stiffness; /* N/m, of the last result */
-    double offset_time;    /* s, of this tick */
-    double slowness;       /* s, of the offsets' decay; left by the limit or an entry */
+    bool is_held_back;      /* entering, or at the limit */
+    int64_t tick;           /* of the result */
+    double result_period;   /* s, h */
+    double step_stiffness;  /* N/m, of the last result */
+    double offset_time;     /* s, of this tick */
+    double min_offset_time; /* s, the least of the offsets' decay; left by the limit or an entry */
     /* Share of the viscosities that counts. None for a proxy that is about to jump or has: one that
      * rests at the limit joins a hand that comes out in one tick; one found inside goes out to the
      * surface, and the next result's velocity is that way in a period. What they would say comes
      * with the results, and goes through the offsets. */
-    double viscous;
+    double viscosity_fraction;
     double proxy[3];    /* p_k */
     double velocity[3]; /* v_k */
     double depth;       /* m, penetration that the model has not yet yielded to */
@@ -116,8 +116,8 @@ typedef struct ss_balance {
     int32_t count;
     ss_balance_row row[SS_MAX_CONTACTS];
     bool is_held;
-    double held_force[3]; /* N, of the grasp at p_free */
-    double held_slope[3][3];
+    double grasp_force[3]; /* N, of the grasp at p_free */
+    double grasp_slope[3][3];
     /* N, R: on the hand whatever the proxy does: what decays, and what acts beside the contacts.
      * Their shares of p_free are in it, but a grasp's, once let go: it moves nothing. */
     double other[3];
@@ -131,18 +131,19 @@ typedef struct ss_balance {
 typedef struct ss_rest {
     double p[3];
     double force[SS_MAX_CONTACTS]; /* N, F_i(p) */
-    double held[3];
-    double share; /* of the spring that is left: 1 below the limit */
+    double grasp[3];               /* N */
+    double stiffness_fraction;     /* of the spring that is left: 1 below the limit */
 } ss_rest;
 
 void ss_local_contact_clear(ss_local_contact *local);
 /* Lets offsets decay by one period; slower, and the viscosities fade, where the proxy is not where
- * the hand would have it: `apart` 1 at the limit, 1 to 0 while entering. `spring` (N/m): the
+ * the hand would have it: `held_back` 1 at the limit, 1 to 0 while entering. `spring` (N/m): the
  * coupling's, damper included. */
-void ss_local_contact_decay(ss_local_contact *local, double period, double apart, double spring);
+void ss_local_contact_decay(ss_local_contact *local, double period, double held_back,
+                            double spring);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
-void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result,
+void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *result,
                            const ss_haptic_config *config, int64_t tick, double spring,
                            const double x[3], const double p[3], const double pdot[3],
                            bool is_fresh);
@@ -168,16 +169,17 @@ void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active,
  * many.
  */
 void ss_local_contact_tangent(const ss_local_contact *local, double seconds, double out[3][3]);
-/* After a tick's values were set: `direction` of their force, 0 without any, and its `size`, N.
+/* After a tick's forces were set: `direction` of their force, 0 without any, and its `size`, N.
  * What updates left takes off no more than that: it draws no tool in. Without a contact it only
  * pushes out, along the last one, nor does it draw aside. */
-void ss_local_contact_settle(ss_local_contact *local, const double direction[3], double size);
-/* The whole force of the last tick's values. */
+void ss_local_contact_clip_residual(ss_local_contact *local, const double direction[3],
+                                    double size);
+/* The sum of the last tick's forces. */
 void ss_local_contact_force(const ss_local_contact *local, double out[3]);
 /* What `hold` and `linear` hand out in its place. */
 void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic_config *config,
                                   int64_t tick, double out[3]);
-/* Torque of the last tick's values about the tool's origin. */
+/* Torque of the last tick's forces about the tool's origin. */
 void ss_local_contact_torque(const ss_local_contact *local, double out[3]);
 int32_t ss_local_contact_active_count(const ss_local_contact *local);
 /* What results and ticks have left in it. */
@@ -185,17 +187,17 @@ uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash);
 
 /* ---- coupling.c ---- */
 
-/* Solves the balance: share spring (p - p_free) = sum F_i(p) n_i + held, share < 1 where the force
- * on the hand comes to the limit. Returns the passes used. Where a law without stiffness or the
- * decaying forces alone exceed the limit, the force stays above it. */
+/* Solves the balance: s spring (p - p_free) = sum F_i(p) n_i + grasp, s the stiffness fraction,
+ * < 1 where the force on the hand comes to the limit. Returns the passes used. Where a law without
+ * stiffness or the decaying forces alone exceed the limit, the force stays above it. */
 int ss_coupling_balance(const ss_balance *balance, ss_rest *out_rest);
 /* Largest eigenvalue of a symmetric matrix. */
-double ss_coupling_largest(double matrix[3][3]);
+double ss_max_eigenvalue3(double matrix[3][3]);
 /* The spring K_c that lets the hand feel at most `limit` against tissue of stiffness k (0:
  * unknown). */
 double ss_coupling_spring(double limit, double k);
 /* x of A x = b, A symmetric positive definite. */
-void ss_coupling_solve(double a[3][3], const double b[3], double out[3]);
+void ss_cholesky_solve3(double a[3][3], const double b[3], double out[3]);
 
 /* ---- yield.c ---- */
 
@@ -217,13 +219,13 @@ void ss_yield_take(ss_yield *yield, const double hand[3], const double proxy[3])
 /* ---- slip.c ---- */
 
 typedef struct ss_slip {
-    double limit;        /* N, of the force; follows config.max_force */
-    double share;        /* of the coupling that is left: 1 below the limit */
+    double limit;              /* N, of the force; follows config.max_force */
+    double stiffness_fraction; /* of the coupling that is left: 1 below the limit */
     double length;       /* m, out of the tissue, beyond what the force stretches the coupling */
     double direction[3]; /* of the local contact model's force, unit or 0 */
     double aside[3];     /* m, from the hand to where the coupling is without force: it fades */
     int32_t stay;        /* ticks in which it does not yet */
-    bool has_let_go;     /* left by a grasp: the whole of it, until the force is at the limit */
+    bool is_from_grasp;  /* left by a grasp: the whole of it, until the force is at the limit */
 } ss_slip;
 
 /* Nothing is left; the limit stays. */
@@ -235,7 +237,7 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
 /* Has a grasp that was let go left the proxy too far from the hand to come back? */
 bool ss_slip_is_lost(const ss_slip *slip);
 /* A grasp was let go with the coupling's force-free point `aside` of the hand. */
-void ss_slip_let_go(ss_slip *slip, const double aside[3], double period);
+void ss_slip_keep_aside(ss_slip *slip, const double aside[3], double period);
 /* What a balance with a coupling of `spring` leaves; `force` is the local contact model's. */
 void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
                   const double force[3], double spring, double period);
@@ -373,8 +375,3 @@ void ss_admission_pose(const ss_admission *admission, double x[3], double v[3]);
 double ss_admission_gain(const ss_admission *admission);
 /* Flags 8, 16, 64. */
 int32_t ss_admission_flags(const ss_admission *admission);
-
-/* |force| <= limit: scales `force`, returns true when it did. */
-bool ss_limit_force(double force[3], double limit);
-/* |force - last| <= step, as a vector; true when it did. */
-bool ss_limit_slew(double force[3], const double last[3], double step);

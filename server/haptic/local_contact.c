@@ -44,8 +44,8 @@
 #define STIFFNESS_MARGIN 1.15 /* k / k_n */
 #define SLOW_RESULTS                                                                               \
     0.060 /* s: with results this old k = k_n, the margin costs more than it gives */
-#define PATCH_REACH  0.005 /* m, |D| */
-#define RELEASE_TIME 0.010 /* s */
+#define PATCH_REACH         0.005 /* m, |D| */
+#define RELEASED_FORCE_TIME 0.010 /* s */
 /* s, tau = h/4 within these. With 2 ms as the least, results at 300 to 1000 Hz let the inertia of a
  * stiff contact into the hand a few ticks late, and fast taps hand out 0.8 to 2.5 mJ; with 4 ms at
  * most 0.4 mJ. Static forces do not depend on it. */
@@ -64,7 +64,7 @@
  * 30 ms in a lattice of springs, from 60 ms on in none of the models. The same while entering,
  * where tissue springs back against the tool: undelayed that steps a held ventricle by 6 % a tick.
  */
-#define APART_TIME 0.060
+#define HELD_BACK_OFFSET_TIME 0.060
 /* s: of the mean of an offset by which it decays at the limit. A membrane answers a move within a
  * tick with over a hundred times the stiffness that it is told to have at rest: a liver
  * (cnn-energy) held at 8 N reacted with 4 to 25 N, in turns of three ticks. With 10 ms a limit
@@ -73,9 +73,9 @@
 /* s: in which it comes back to what it was, so that no offset ends at once. At 0.5 N, in 3 ms a
  * kidney's viscosity is a step; in 20 ms the force on the way out of a liver is 0.18 N off its
  * reaction, in 5 ms 0.05 N. */
-#define TOGETHER_TIME   0.005
-#define NEGLIGIBLE      1e-6 /* N: a decayed offset ends here */
-#define NEGLIGIBLE_TIME 1e-6 /* s: and here what slowed it */
+#define HELD_BACK_RECOVERY_TIME 0.005
+#define NEGLIGIBLE              1e-6 /* N: a decayed offset ends here */
+#define NEGLIGIBLE_TIME         1e-6 /* s: and here what slowed it */
 /* s, B <= 3 ms x k_n. A fast simulation's step tangent is mostly the inertia of the touched tissue;
  * times the steps of a quantised position it is noise: at 1000 Hz 3.3 % buzz and 18 % continuity
  * (metrics of bench/latency) with 10 ms, 2.4 and 9 % with 3 ms, and no more stability from either.
@@ -87,7 +87,7 @@
 void ss_local_contact_clear(ss_local_contact *local)
 {
     memset(local, 0, sizeof *local);
-    local->viscous = 1.0;
+    local->viscosity_fraction = 1.0;
     local->offset_time = OFFSET_TIME_MIN;
 }
 
@@ -112,7 +112,7 @@ static void decay3(double v[3], double factor)
 
 /* Without a contact the residual is gone within a ramp: it smooths the change of a force that is no
  * more. */
-static void let_go(ss_local_contact *local)
+static void fade_residual_when_free(ss_local_contact *local)
 {
     if (ss_local_contact_active_count(local) > 0) {
         local->free_ticks = 0;
@@ -123,39 +123,41 @@ static void let_go(ss_local_contact *local)
     }
 }
 
-void ss_local_contact_decay(ss_local_contact *local, double period, double apart, double spring)
+void ss_local_contact_decay(ss_local_contact *local, double period, double held_back, double spring)
 {
     set_offset_time(local, period, spring);
     const double usual = local->offset_time;
-    local->slowness = fmax(apart * APART_TIME, local->slowness * exp(-period / TOGETHER_TIME));
-    local->slowness = local->slowness > NEGLIGIBLE_TIME ? local->slowness : 0.0;
-    local->is_apart = apart > 0.0;
-    const double still = 1.0 - local->viscous;
-    const double reaction = apart > still ? APART_TIME : TOGETHER_TIME;
-    local->viscous = 1.0 - apart - (still - apart) * exp(-period / reaction);
+    local->min_offset_time = fmax(held_back * HELD_BACK_OFFSET_TIME,
+                                  local->min_offset_time * exp(-period / HELD_BACK_RECOVERY_TIME));
+    local->min_offset_time =
+        local->min_offset_time > NEGLIGIBLE_TIME ? local->min_offset_time : 0.0;
+    local->is_held_back = held_back > 0.0;
+    const double still = 1.0 - local->viscosity_fraction;
+    const double reaction = held_back > still ? HELD_BACK_OFFSET_TIME : HELD_BACK_RECOVERY_TIME;
+    local->viscosity_fraction = 1.0 - held_back - (still - held_back) * exp(-period / reaction);
     const double factor = exp(-period / usual);
-    const double kept = exp(-period / fmax(usual, local->slowness));
+    const double kept = exp(-period / fmax(usual, local->min_offset_time));
     const double drift = 1.0 - exp(-period / DRIFT_TIME);
     for (int32_t i = 0; i < local->count; ++i) {
         ss_local_contact_point *c = &local->contact[i];
-        /* The value follows: it is what the local contact model says now at the last proxy, and
-         * what an update must keep. Kept with the old offset, results at every tick would never be
-         * let in. */
-        c->drift += (apart < 1.0 ? 1.0 : drift) * (c->offset - c->drift);
+        /* `last_force` follows: it is what the local contact model says now at the last proxy,
+         * and what an update must keep. Kept with the old offset, results at every tick would never
+         * be let in. */
+        c->drift += (held_back < 1.0 ? 1.0 : drift) * (c->offset - c->drift);
         const double lost = (1.0 - kept) * c->drift;
-        c->value = c->value > 0.0 ? fmax(0.0, c->value - lost) : 0.0;
+        c->last_force = c->last_force > 0.0 ? fmax(0.0, c->last_force - lost) : 0.0;
         c->offset -= lost;
         c->drift -= lost;
     }
-    if (local->held.is_held) {
+    if (local->grasp.is_held) {
         double lost[3];
-        ss_scale3(lost, local->held.offset, 1.0 - kept);
-        ss_sub3(local->held.offset, local->held.offset, lost);
-        ss_sub3(local->held.value, local->held.value, lost);
+        ss_scale3(lost, local->grasp.offset, 1.0 - kept);
+        ss_sub3(local->grasp.offset, local->grasp.offset, lost);
+        ss_sub3(local->grasp.last_force, local->grasp.last_force, lost);
     }
     decay3(local->residual, factor);
-    let_go(local);
-    decay3(local->released, exp(-period / RELEASE_TIME));
+    fade_residual_when_free(local);
+    decay3(local->released, exp(-period / RELEASED_FORCE_TIME));
 }
 
 /* Height of the patch over its plane at x, and the bent normal. */
@@ -194,7 +196,8 @@ static double contact_force(const ss_local_contact *local, ss_local_contact_poin
     ss_sub3(from_x, p, x);
     const double rise = ss_dot3(c->normal, from_k) - height + ss_dot3(c->direction, from_x);
     const double speed = ss_dot3(c->direction, pdot) - ss_dot3(c->normal, local->velocity);
-    return c->force - c->stiffness * rise - local->viscous * c->viscosity * speed + c->offset;
+    return c->force - c->stiffness * rise - local->viscosity_fraction * c->viscosity * speed +
+           c->offset;
 }
 
 /* What hold and linear hand out in place of the local contact model: bounded growth from the last
@@ -216,18 +219,18 @@ void ss_local_contact_force(const ss_local_contact *local, double out[3])
     ss_madd3(out, local->residual, local->other.share, local->other.force);
     ss_add3(out, out, local->released);
     for (int32_t i = 0; i < local->count; ++i) {
-        ss_madd3(out, out, local->contact[i].value, local->contact[i].direction);
+        ss_madd3(out, out, local->contact[i].last_force, local->contact[i].direction);
     }
-    if (local->held.is_held) {
-        ss_add3(out, out, local->held.value);
+    if (local->grasp.is_held) {
+        ss_add3(out, out, local->grasp.last_force);
     }
 }
 
-void ss_local_contact_settle(ss_local_contact *local, const double direction[3], double size)
+void ss_local_contact_clip_residual(ss_local_contact *local, const double direction[3], double size)
 {
     if (ss_norm3(direction) > 0.0) {
         ss_copy3(local->outward, direction);
-        if (!local->held.is_held) {
+        if (!local->grasp.is_held) {
             const double inward = -ss_dot3(local->residual, direction) - size;
             ss_madd3(local->residual, local->residual, fmax(0.0, inward), direction);
         }
@@ -254,9 +257,9 @@ void ss_local_contact_torque(const ss_local_contact *local, double out[3])
         const ss_local_contact_point *c = &local->contact[i];
         double arm[3], force[3], torque[3];
         ss_sub3(arm, c->point, local->proxy);
-        ss_scale3(force, c->direction, c->value);
-        if (local->held.is_held && i == 0) {
-            ss_add3(force, force, local->held.value);
+        ss_scale3(force, c->direction, c->last_force);
+        if (local->grasp.is_held && i == 0) {
+            ss_add3(force, force, local->grasp.last_force);
         }
         ss_cross3(torque, arm, force);
         ss_add3(out, out, torque);
@@ -265,26 +268,27 @@ void ss_local_contact_torque(const ss_local_contact *local, double out[3])
 
 int32_t ss_local_contact_active_count(const ss_local_contact *local)
 {
-    int32_t active = local->held.is_held ? (local->count > 0 ? local->count : 1) : 0;
-    for (int32_t i = 0; !local->held.is_held && i < local->count; ++i) {
-        active += local->contact[i].value > 0.0;
+    int32_t active = local->grasp.is_held ? (local->count > 0 ? local->count : 1) : 0;
+    for (int32_t i = 0; !local->grasp.is_held && i < local->count; ++i) {
+        active += local->contact[i].last_force > 0.0;
     }
     return active;
 }
 
 uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash)
 {
-    const double *const vector[] = {local->held.value, local->held.offset, local->held.position,
-                                    local->residual,   local->released,    local->outward};
-    const double number[] = {local->slowness, local->viscous};
-    const uint8_t flag[] = {local->held.is_held, (uint8_t)local->free_ticks};
+    const double *const vector[] = {local->grasp.last_force, local->grasp.offset,
+                                    local->grasp.position,   local->residual,
+                                    local->released,         local->outward};
+    const double number[] = {local->min_offset_time, local->viscosity_fraction};
+    const uint8_t flag[] = {local->grasp.is_held, (uint8_t)local->free_ticks};
     const ss_local_contact_other *other = &local->other;
     if (ss_norm3(other->force) > 0.0 || ss_norm3(other->torque) > 0.0) {
         hash = ss_hash_bytes(hash, other->force, sizeof other->force);
         hash = ss_hash_bytes(hash, other->torque, sizeof other->torque);
     }
     for (int32_t i = 0; i < local->count; ++i) {
-        const double contact[] = {local->contact[i].value, local->contact[i].offset,
+        const double contact[] = {local->contact[i].last_force, local->contact[i].offset,
                                   local->contact[i].drift};
         hash = ss_hash_bytes(hash, contact, sizeof contact);
     }
@@ -308,13 +312,13 @@ static void add_contact(double m[3][3], const double n[3], double k, double k_t)
 void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active, double out[3][3])
 {
     memset(out, 0, 9 * sizeof(double));
-    if (local->held.is_held) {
-        memcpy(out, local->held.stiffness, 9 * sizeof(double));
+    if (local->grasp.is_held) {
+        memcpy(out, local->grasp.stiffness, 9 * sizeof(double));
         return;
     }
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
-        if (!only_active || c->value > 0.0) {
+        if (!only_active || c->last_force > 0.0) {
             add_contact(out, c->normal, c->stiffness, 0.0);
         }
     }
@@ -325,15 +329,15 @@ void ss_local_contact_tangent(const ss_local_contact *local, double seconds, dou
     /* Within a result the law errs high; the next one takes that back. */
     const double within = local->count > 0 ? fmax(0.0, 1.0 - seconds / local->result_period) : 0.0;
     memset(out, 0, 9 * sizeof(double));
-    for (int r = 0; r < 3 && local->held.is_held; ++r) {
+    for (int r = 0; r < 3 && local->grasp.is_held; ++r) {
         for (int c = 0; c < 3; ++c) {
-            const double own = local->held.tangent[r][c];
-            out[r][c] = own + within * (local->held.stiffness[r][c] - own);
+            const double own = local->grasp.tangent[r][c];
+            out[r][c] = own + within * (local->grasp.stiffness[r][c] - own);
         }
     }
-    for (int32_t i = 0; i < local->count && !local->held.is_held; ++i) {
+    for (int32_t i = 0; i < local->count && !local->grasp.is_held; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
-        if (c->value > 0.0) {
+        if (c->last_force > 0.0) {
             const double high = c->stiffness - c->model_stiffness;
             add_contact(out, c->direction, c->model_stiffness + within * high, 0.0);
         }
@@ -412,52 +416,53 @@ static void take_contact(ss_local_contact_point *c, const ss_contact *from, doub
 }
 
 /* The tensors of a grasp from the contacts that carry it. */
-static void held_tensors(ss_local_contact *local, bool only_active)
+static void set_grasp_tensors(ss_local_contact *local, bool only_active)
 {
-    memset(local->held.stiffness, 0, sizeof local->held.stiffness);
-    memset(local->held.viscosity, 0, sizeof local->held.viscosity);
-    memset(local->held.tangent, 0, sizeof local->held.tangent);
+    memset(local->grasp.stiffness, 0, sizeof local->grasp.stiffness);
+    memset(local->grasp.viscosity, 0, sizeof local->grasp.viscosity);
+    memset(local->grasp.tangent, 0, sizeof local->grasp.tangent);
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
-        if (!only_active || c->value > 0.0) {
-            add_contact(local->held.stiffness, c->normal, c->stiffness, c->tangential);
-            add_contact(local->held.viscosity, c->normal, c->viscosity, 0.0);
-            add_contact(local->held.tangent, c->normal, c->model_stiffness, c->tangential);
+        if (!only_active || c->last_force > 0.0) {
+            add_contact(local->grasp.stiffness, c->normal, c->stiffness, c->tangential);
+            add_contact(local->grasp.viscosity, c->normal, c->viscosity, 0.0);
+            add_contact(local->grasp.tangent, c->normal, c->model_stiffness, c->tangential);
         }
     }
 }
 
 /* Force of the grasp's law at p, pdot. */
-static void held_force(const ss_local_contact_held *held, const double p[3], const double pdot[3],
-                       double out[3])
+static void force_of_grasp(const ss_local_contact_grasp *grasp, const double p[3],
+                           const double pdot[3], double out[3])
 {
     double d[3], w[3];
-    ss_sub3(d, p, held->position);
-    ss_sub3(w, pdot, held->velocity);
+    ss_sub3(d, p, grasp->position);
+    ss_sub3(w, pdot, grasp->velocity);
     for (int r = 0; r < 3; ++r) {
-        out[r] = held->force[r] - ss_dot3(held->stiffness[r], d) - ss_dot3(held->viscosity[r], w) +
-                 held->offset[r];
+        out[r] = grasp->force[r] - ss_dot3(grasp->stiffness[r], d) -
+                 ss_dot3(grasp->viscosity[r], w) + grasp->offset[r];
     }
 }
 
 void ss_local_contact_hold(ss_local_contact *local, const double p[3], const double pdot[3])
 {
-    ss_local_contact_held *held = &local->held;
-    ss_scale3(held->force, local->other.force, local->other.share);
+    ss_local_contact_grasp *grasp = &local->grasp;
+    ss_scale3(grasp->force, local->other.force, local->other.share);
     memset(&local->other, 0, sizeof local->other);
     for (int32_t i = 0; i < local->count; ++i) {
-        ss_madd3(held->force, held->force, local->contact[i].value, local->contact[i].direction);
+        ss_madd3(grasp->force, grasp->force, local->contact[i].last_force,
+                 local->contact[i].direction);
     }
-    held_tensors(local, true);
+    set_grasp_tensors(local, true);
     for (int32_t i = 0; i < local->count; ++i) {
-        local->contact[i].value = 0.0;
+        local->contact[i].last_force = 0.0;
         local->contact[i].offset = 0.0;
     }
-    ss_copy3(held->position, p);
-    ss_copy3(held->velocity, pdot);
-    ss_copy3(held->value, held->force);
-    ss_set3(held->offset, 0.0, 0.0, 0.0);
-    held->is_held = true;
+    ss_copy3(grasp->position, p);
+    ss_copy3(grasp->velocity, pdot);
+    ss_copy3(grasp->last_force, grasp->force);
+    ss_set3(grasp->offset, 0.0, 0.0, 0.0);
+    grasp->is_held = true;
 }
 
 /* Of what was felt, W, the contacts carry their part: of what their laws say at once, C, the share
@@ -466,27 +471,27 @@ void ss_local_contact_hold(ss_local_contact *local, const double p[3], const dou
 void ss_local_contact_release(ss_local_contact *local, const double x[3], const double p[3],
                               const double pdot[3], double limit)
 {
-    if (!local->held.is_held) {
+    if (!local->grasp.is_held) {
         return;
     }
     double said[3] = {0.0, 0.0, 0.0};
-    ss_add3(local->released, local->released, local->held.value);
-    (void)ss_limit_force(local->released, limit);
-    local->held.is_held = false;
-    ss_set3(local->held.value, 0.0, 0.0, 0.0);
+    ss_add3(local->released, local->released, local->grasp.last_force);
+    (void)ss_clamp_norm3(local->released, limit);
+    local->grasp.is_held = false;
+    ss_set3(local->grasp.last_force, 0.0, 0.0, 0.0);
     for (int32_t i = 0; i < local->count; ++i) {
         ss_local_contact_point *c = &local->contact[i];
         c->offset = 0.0;
-        c->value = fmax(0.0, contact_force(local, c, x, p, pdot));
-        ss_madd3(said, said, c->value, c->direction);
+        c->last_force = fmax(0.0, contact_force(local, c, x, p, pdot));
+        ss_madd3(said, said, c->last_force, c->direction);
     }
     const double carried = ss_dot3(local->released, said), whole = ss_dot3(said, said);
     const double share = carried > 0.0 ? fmin(1.0, carried / whole) : 0.0;
     ss_madd3(local->released, local->released, -share, said);
     for (int32_t i = 0; i < local->count; ++i) {
         ss_local_contact_point *c = &local->contact[i];
-        c->offset = (share - 1.0) * c->value;
-        c->value *= share;
+        c->offset = (share - 1.0) * c->last_force;
+        c->last_force *= share;
     }
 }
 
@@ -501,31 +506,31 @@ void ss_local_contact_begin(ss_local_contact *local, const double x[3], const do
 }
 
 /* A result of a grasp: the model's whole reaction, with the step hidden in the offset. */
-static void take_held(ss_local_contact *local, const ss_local_model *result, const double p[3],
-                      const double pdot[3])
+static void take_grasp(ss_local_contact *local, const ss_simulation_result *result,
+                       const double p[3], const double pdot[3])
 {
-    ss_local_contact_held *held = &local->held;
+    ss_local_contact_grasp *grasp = &local->grasp;
     if (local->count > 0) {
-        held_tensors(local, false);
+        set_grasp_tensors(local, false);
     }
-    ss_copy3(held->force, result->set.force);
-    ss_copy3(held->position, result->proxy);
-    ss_copy3(held->velocity, result->velocity);
+    ss_copy3(grasp->force, result->set.force);
+    ss_copy3(grasp->position, result->proxy);
+    ss_copy3(grasp->velocity, result->velocity);
     double now[3];
-    ss_set3(held->offset, 0.0, 0.0, 0.0);
-    held_force(held, p, pdot, now);
-    ss_sub3(held->offset, held->value, now);
+    ss_set3(grasp->offset, 0.0, 0.0, 0.0);
+    force_of_grasp(grasp, p, pdot, now);
+    ss_sub3(grasp->offset, grasp->last_force, now);
 }
 
 /* What contact `i` exerts now. If it was held back at zero, re-evaluate its law: the offset has
  * decayed since. Otherwise, with a result every tick, a resting hand would never get its force.
  * While entering, or at the limit, it stays at zero. */
-static double value_now(const ss_local_contact *local, int32_t i, const double x[3],
+static double force_now(const ss_local_contact *local, int32_t i, const double x[3],
                         const double p[3], const double pdot[3])
 {
     ss_local_contact_point c = local->contact[i];
-    const bool is_held_back = !(c.value > 0.0) && c.offset < 0.0 && !local->is_apart;
-    return is_held_back ? fmax(0.0, contact_force(local, &c, x, p, pdot)) : c.value;
+    const bool is_suppressed = !(c.last_force > 0.0) && c.offset < 0.0 && !local->is_held_back;
+    return is_suppressed ? fmax(0.0, contact_force(local, &c, x, p, pdot)) : c.last_force;
 }
 
 /* Offsets that keep every contact's force, and the residual for what they cannot keep. */
@@ -535,12 +540,12 @@ static void keep_force(ss_local_contact *local, const ss_local_contact *old, con
     uint32_t used = 0;
     for (int32_t i = 0; i < local->count; ++i) {
         ss_local_contact_point *c = &local->contact[i];
-        const double before = source[i] >= 0 ? value_now(old, source[i], x, p, pdot) : 0.0;
+        const double before = source[i] >= 0 ? force_now(old, source[i], x, p, pdot) : 0.0;
         const double after = contact_force(local, c, x, p, pdot);
         /* Out of contact before: no more than to hold back what would appear at once. */
         c->offset = before > 0.0 ? before - after : -fmax(0.0, after);
         c->drift = source[i] >= 0 ? old->contact[source[i]].drift : c->offset;
-        c->value = before;
+        c->last_force = before;
         ss_madd3(local->residual, local->residual, -before, c->direction);
         if (source[i] >= 0) {
             used |= 1U << source[i];
@@ -549,13 +554,13 @@ static void keep_force(ss_local_contact *local, const ss_local_contact *old, con
     }
     for (int32_t i = 0; i < old->count; ++i) {
         if (!(used & (1U << i))) {
-            ss_madd3(local->residual, local->residual, old->contact[i].value,
+            ss_madd3(local->residual, local->residual, old->contact[i].last_force,
                      old->contact[i].direction);
         }
     }
 }
 
-void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result,
+void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *result,
                            const ss_haptic_config *config, int64_t tick, double spring,
                            const double x[3], const double p[3], const double pdot[3],
                            bool is_fresh)
@@ -596,9 +601,9 @@ void ss_local_contact_take(ss_local_contact *local, const ss_local_model *result
                 ((double)(result->tick - old.tick) * config->period);
         }
     }
-    if (local->held.is_held) {
+    if (local->grasp.is_held) {
         if (result->set.is_held) {
-            take_held(local, result, p, pdot);
+            take_grasp(local, result, p, pdot);
         }
     } else if (!is_fresh) {
         keep_force(local, &old, source, x, p, pdot);
@@ -620,7 +625,7 @@ void ss_local_contact_follow_other(ss_local_contact *local, double period, doubl
     ss_copy3(whole, other->force);
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
-        force += c->value;
+        force += c->last_force;
         model_force += fmax(0.0, c->force);
         inward = fmax(inward, -ss_dot3(other->force, c->direction));
         ss_madd3(whole, whole, fmax(0.0, c->force), c->normal);
@@ -636,21 +641,21 @@ void ss_local_contact_rows(ss_local_contact *local, double period, const double 
     double pdot[3];
     ss_sub3(pdot, balance->p_free, p);
     ss_scale3(pdot, pdot, 1.0 / period);
-    balance->is_held = local->held.is_held;
-    balance->count = local->held.is_held ? 0 : local->count;
+    balance->is_held = local->grasp.is_held;
+    balance->count = local->grasp.is_held ? 0 : local->count;
     for (int32_t i = 0; i < balance->count; ++i) {
         ss_local_contact_point *c = &local->contact[i];
         ss_balance_row *row = &balance->row[i];
         row->free_force = contact_force(local, c, x, balance->p_free, pdot);
-        row->slope = c->stiffness + local->viscous * c->viscosity / period;
+        row->slope = c->stiffness + local->viscosity_fraction * c->viscosity / period;
         ss_copy3(row->normal, c->direction);
     }
-    if (local->held.is_held) {
-        held_force(&local->held, balance->p_free, pdot, balance->held_force);
+    if (local->grasp.is_held) {
+        force_of_grasp(&local->grasp, balance->p_free, pdot, balance->grasp_force);
         for (int r = 0; r < 3; ++r) {
             for (int c = 0; c < 3; ++c) {
-                balance->held_slope[r][c] =
-                    local->held.stiffness[r][c] + local->held.viscosity[r][c] / period;
+                balance->grasp_slope[r][c] =
+                    local->grasp.stiffness[r][c] + local->grasp.viscosity[r][c] / period;
             }
         }
     }

@@ -35,7 +35,7 @@ void ss_slip_clear(ss_slip *slip)
 {
     ss_set3(slip->aside, 0.0, 0.0, 0.0);
     slip->stay = 0;
-    slip->has_let_go = false;
+    slip->is_from_grasp = false;
 }
 
 /* Lowering is limited by the slew alone. If raising were limited only by the coupling's stiffness,
@@ -48,7 +48,7 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
         slip->limit = fmax(wanted, fmin(slip->limit, size) - step);
         return true;
     }
-    if (slip->share < 1.0) {
+    if (slip->stiffness_fraction < 1.0) {
         const double speed = fmin(RISE_SPEED, fmax(RISE_SPEED_MIN, slip->length / RISE_TIME));
         slip->limit = fmin(wanted, slip->limit + fmin(step, speed * stiffness * config->period));
     } else {
@@ -59,31 +59,31 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
 
 bool ss_slip_is_lost(const ss_slip *slip)
 {
-    return slip->has_let_go && ss_norm3(slip->aside) > LOST;
+    return slip->is_from_grasp && ss_norm3(slip->aside) > LOST;
 }
 
-void ss_slip_let_go(ss_slip *slip, const double aside[3], double period)
+void ss_slip_keep_aside(ss_slip *slip, const double aside[3], double period)
 {
     ss_copy3(slip->aside, aside);
-    slip->has_let_go = true;
+    slip->is_from_grasp = true;
     slip->stay = (int32_t)ceil(STAY_TIME / period - 1e-9);
 }
 
 void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
                   const double force[3], double spring, double period)
 {
-    const bool is_limited = rest->share < 1.0;
+    const bool is_limited = rest->stiffness_fraction < 1.0;
     /* A force at rounding level has no direction. */
     const double size = ss_norm3(force);
     const bool has_force = size > NEGLIGIBLE_FORCE;
     ss_scale3(slip->direction, force, has_force ? 1.0 / size : 0.0);
-    slip->share = rest->share;
+    slip->stiffness_fraction = rest->stiffness_fraction;
     if (slip->stay > 0) {
         --slip->stay;
         return;
     }
-    slip->has_let_go = slip->has_let_go && !(is_limited && has_force);
-    if (!slip->has_let_go && has_force && (is_limited || ss_norm3(slip->aside) > 0.0)) {
+    slip->is_from_grasp = slip->is_from_grasp && !(is_limited && has_force);
+    if (!slip->is_from_grasp && has_force && (is_limited || ss_norm3(slip->aside) > 0.0)) {
         double d[3];
         ss_sub3(d, rest->p, balance->p_free);
         ss_madd3(d, slip->aside, balance->spring / spring, d);

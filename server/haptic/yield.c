@@ -65,6 +65,6 @@ double ss_yield_felt(const ss_yield *yield, double tissue[3][3], const double n[
             both[r][c] = tissue[r][c] + (r == c ? yield->spring : 0.0);
         }
     }
-    ss_coupling_solve(both, n, yielded);
+    ss_cholesky_solve3(both, n, yielded);
     return fmax(0.0, yield->spring * (1.0 - yield->spring * ss_dot3(n, yielded)));
 }

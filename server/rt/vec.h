@@ -75,6 +75,29 @@ static inline double ss_norm3(const double a[3])
     return sqrt(ss_dot3(a, a));
 }
 
+/* Shortens v to `limit` where it is longer; true when it was. */
+static inline bool ss_clamp_norm3(double v[3], double limit)
+{
+    const double size = ss_norm3(v);
+    if (size <= limit) {
+        return false;
+    }
+    ss_scale3(v, v, limit / size);
+    return true;
+}
+
+/* Brings v to within `limit` of `last` where it is further off; true when it was. */
+static inline bool ss_clamp_change3(double v[3], const double last[3], double limit)
+{
+    double change[3];
+    ss_sub3(change, v, last);
+    if (!ss_clamp_norm3(change, limit)) {
+        return false;
+    }
+    ss_add3(v, last, change);
+    return true;
+}
+
 /* Normalises `a`; returns its length; leaves a zero vector as it is. */
 static inline double ss_normalize3(double a[3])
 {

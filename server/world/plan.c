@@ -214,7 +214,7 @@ static softsim_status build_probes(ss_world *world, bool is_lockstep, softsim_er
         world->used_probes |= (uint8_t)(1u << p);
         probe->haptic = ss_haptic_create(&config);
         probe->poses = ss_ring_create(sizeof(ss_pose_record), POSE_RING);
-        probe->result = ss_mailbox_create(sizeof(ss_local_model));
+        probe->result = ss_mailbox_create(sizeof(ss_simulation_result));
         probe->target = ss_mailbox_create(sizeof(ss_proxy_target));
         if (!probe->haptic || !probe->poses || !probe->result || !probe->target) {
             return SOFTSIM_ERROR_MEMORY;

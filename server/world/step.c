@@ -218,20 +218,20 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
                           const double velocity[3], const ss_model_info *info)
 {
     ss_world_probe *probe = &world->probe[p];
-    ss_local_model *out = &probe->computed;
-    *out = (ss_local_model){.tick = probe->step_target.tick,
-                            .step = world->steps,
-                            .period = world->step_period,
-                            .pose_seq = probe->step_target.pose_seq,
-                            .starts = world->simulation_starts,
-                            .is_fault = info->verdict == SOFTSIM_VERDICT_FAULT,
-                            .stored = info->kinetic + info->elastic,
-                            .load_work = info->load_work};
+    ss_simulation_result *out = &probe->computed;
+    *out = (ss_simulation_result){.tick = probe->step_target.tick,
+                                  .step = world->steps,
+                                  .period = world->step_period,
+                                  .pose_seq = probe->step_target.pose_seq,
+                                  .starts = world->simulation_starts,
+                                  .is_fault = info->verdict == SOFTSIM_VERDICT_FAULT,
+                                  .stored = info->kinetic + info->elastic,
+                                  .load_work = info->load_work};
     out->has_stored = !world->model_class->has_no_energy && !out->is_fault;
     ss_copy3(out->proxy, probe->step_target.proxy);
     memcpy(out->orientation, probe->step_target.orientation, sizeof out->orientation);
     if (!tool->is_present) {
-        out->set.engulfed = probe->steps_unplaced > 0 ? fmax(0.0, probe->depth) : 0.0;
+        out->set.inside_depth = probe->steps_unplaced > 0 ? fmax(0.0, probe->depth) : 0.0;
         return;
     }
     ss_copy3(out->proxy, tool->to.position);
@@ -311,7 +311,7 @@ void ss_world_step_post(ss_world *world)
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         ss_world_probe *probe = &world->probe[p];
         if (probe->is_used) {
-            *(ss_local_model *)ss_mailbox_draft(probe->result) = probe->computed;
+            *(ss_simulation_result *)ss_mailbox_draft(probe->result) = probe->computed;
             ss_mailbox_post(probe->result);
         }
     }

@@ -35,7 +35,7 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info)
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
             info->reason = "a tool is inside the tissue, no free place was found for it, and its "
                            "force is zero: take it out";
-        } else if (probe->is_used && ss_contact_is_engulfed(set) &&
+        } else if (probe->is_used && ss_contact_is_inside(set) &&
                    info->verdict < SOFTSIM_VERDICT_FAULT) {
             info->verdict = SOFTSIM_VERDICT_DEGRADED;
             info->reason =

@@ -120,7 +120,7 @@ static double judge_parts(ss_hand_watch *watch, const ss_hand_tick *now,
                           const double given[SS_SUPPLY_DEVICES], bool is_counted)
 {
     ss_supply *supply = &watch->supply;
-    const ss_local_model *result = now->result;
+    const ss_simulation_result *result = now->result;
     double made = 0.0;
     double others = fmax(0.0, now->let_in_j) + fmax(0.0, now->others_j - watch->others_j);
     watch->others_j = now->others_j;

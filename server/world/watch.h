@@ -94,16 +94,16 @@ typedef struct ss_hand_watch {
 
 typedef struct ss_hand_tick {
     int64_t tick;
-    double period;                /* s */
-    const softsim_pose *pose;     /* the newest, NULL: none came */
-    uint32_t sender_epoch;        /* of that pose */
-    const softsim_force *sent;    /* the answer of this tick */
-    const ss_local_model *result; /* that came in this tick, or NULL */
-    double contact_j;             /* of the present contact, of the haptic loop's observer */
-    double device_j;              /* given to the device in all contacts so far, by the same */
-    double others_j;              /* put in so far by the hands of other probes */
-    double let_in_j;              /* by the haptic loop, in this tick */
-    double trail_s;               /* damping over stiffness of the coupling */
+    double period;                      /* s */
+    const softsim_pose *pose;           /* the newest, NULL: none came */
+    uint32_t sender_epoch;              /* of that pose */
+    const softsim_force *sent;          /* the answer of this tick */
+    const ss_simulation_result *result; /* that came in this tick, or NULL */
+    double contact_j;                   /* of the present contact, of the haptic loop's observer */
+    double device_j; /* given to the device in all contacts so far, by the same */
+    double others_j; /* put in so far by the hands of other probes */
+    double let_in_j; /* by the haptic loop, in this tick */
+    double trail_s;  /* damping over stiffness of the coupling */
     bool is_lockstep;
 } ss_hand_tick;
 

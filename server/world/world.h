@@ -80,7 +80,7 @@ typedef struct ss_world_probe {
     ss_hand_watch hand; /* haptic thread */
     double taken_j;     /* J, from its device so far; haptic thread */
     ss_ring *poses;     /* net -> haptic */
-    ss_mailbox *result; /* simulation -> haptic: ss_local_model */
+    ss_mailbox *result; /* simulation -> haptic: ss_simulation_result */
     ss_mailbox *target; /* haptic -> simulation: ss_proxy_target */
     /* simulation thread */
     ss_tool_pose last; /* p-hat of the last step */
@@ -88,15 +88,15 @@ typedef struct ss_world_probe {
     uint32_t last_teleports;
     int64_t steps_unplaced; /* steps on end: inside the tissue, and no free place found for it */
     int64_t next_search; /* of them: a place is looked for again; 0: none was looked for in vain */
-    ss_contact_exit search;      /* begun: the look for a place goes on */
-    double depth;                /* m, how deep it stood there lately */
-    bool is_found_inside;        /* it stands where it just touches, until it is entered */
-    uint32_t found_entries;      /* of the target then */
-    double outward[3];           /* the way there */
-    double inward[3];            /* unit: how it was last pressed into the tissue; 0 not known, */
-    uint32_t inward_starts;      /* and after which start */
-    ss_proxy_target step_target; /* target of the step under way */
-    ss_local_model computed;     /* result of that step, until it is due */
+    ss_contact_exit search;        /* begun: the look for a place goes on */
+    double depth;                  /* m, how deep it stood there lately */
+    bool is_found_inside;          /* it stands where it just touches, until it is entered */
+    uint32_t found_entries;        /* of the target then */
+    double outward[3];             /* the way there */
+    double inward[3];              /* unit: how it was last pressed into the tissue; 0 not known, */
+    uint32_t inward_starts;        /* and after which start */
+    ss_proxy_target step_target;   /* target of the step under way */
+    ss_simulation_result computed; /* result of that step, until it is due */
     /* lockstep: the answer to the newest pose, for repeated ones */
     int32_t answered_seq;
     int64_t answered_sender;

@@ -384,19 +384,19 @@ TEST(a_tool_may_have_no_way_out)
 
 /* ---- inside ---- */
 
-static double engulfed_at(const ss_tool_pose *pose)
+static double inside_depth_at(const ss_tool_pose *pose)
 {
     ss_contact_set set;
     ss_surface_refit(surface, u);
     ss_contact_query_broad_phase(query, u, pose, pose);
     ss_contact_query_penalty(query, u, pose, force, tool_force, tool_torque);
     ss_contact_query_contacts(query, u, pose, 0.005, &set);
-    return set.engulfed;
+    return set.inside_depth;
 }
 
 /* In a sphere, moved and stretched since its boxes were first fitted; over its corners and edges
  * too, on which rays along an axis would run. */
-TEST(a_tool_is_engulfed_when_its_middle_is_inside)
+TEST(a_tool_is_inside_when_its_middle_is_inside)
 {
     make_sphere(3, 0.02);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
@@ -416,25 +416,25 @@ TEST(a_tool_is_engulfed_when_its_middle_is_inside)
         const double radius = 0.04 * random_unit();
         ss_tool_pose pose = random_pose(0.0, 0.0, 0.0);
         ss_set3(pose.position, radius * way[0], radius * way[1], stretch * radius * way[2] + shift);
-        const double engulfed = engulfed_at(&pose);
+        const double depth = inside_depth_at(&pose);
         /* The smooth surface lies up to 0.7 mm below the sphere. */
         if (radius < 0.0193) {
-            assert_true(engulfed > 0.005 + 0.0193 - radius - 1e-4);
-            assert_true(engulfed < 0.005 + stretch * (0.02 - radius) + 5e-4);
+            assert_true(depth > 0.005 + 0.0193 - radius - 1e-4);
+            assert_true(depth < 0.005 + stretch * (0.02 - radius) + 5e-4);
         } else if (radius > 0.02) {
-            assert_true(engulfed == 0.0);
+            assert_true(depth == 0.0);
         }
     }
     close_query();
 }
 
-TEST(no_tool_is_engulfed_by_an_open_sheet_or_from_outside)
+TEST(no_tool_is_inside_an_open_sheet_or_from_outside)
 {
     make_plane(11, 11, 0.004);
     open_query(&sphere_5mm, 2, 0.005, 1.0);
     for (int k = -20; k <= 20; ++k) {
         const ss_tool_pose pose = pose_at(0.001, 0.0005, 0.001 * k);
-        assert_true(engulfed_at(&pose) == 0.0);
+        assert_true(inside_depth_at(&pose) == 0.0);
     }
     close_query();
     make_sphere(3, 0.02);
@@ -446,7 +446,7 @@ TEST(no_tool_is_engulfed_by_an_open_sheet_or_from_outside)
     open_query(&sphere_5mm, 2, 0.005, 1.0);
     for (int k = -30; k <= 30; ++k) {
         const ss_tool_pose pose = pose_at(0.001, 0.0005, 0.001 * k);
-        assert_true(engulfed_at(&pose) == 0.0);
+        assert_true(inside_depth_at(&pose) == 0.0);
     }
     close_query();
 }
@@ -471,9 +471,9 @@ TEST(what_is_remembered_of_the_inside_stays_right)
         const double radius = 0.0195 + 0.004 * sin(0.0037 * rate * i) + jump,
                      turn = 0.001 * rate * i;
         const ss_tool_pose pose = pose_at(radius * cos(turn), 0.001, radius * sin(turn));
-        const bool is_inside = engulfed_at(&pose) > 0.0;
+        const bool is_inside = inside_depth_at(&pose) > 0.0;
         query->outside.is_known = false;
-        assert_int_equal(engulfed_at(&pose) > 0.0, is_inside);
+        assert_int_equal(inside_depth_at(&pose) > 0.0, is_inside);
         inside += is_inside;
         changes += is_inside != was_inside;
         was_inside = is_inside;

@@ -30,7 +30,7 @@ typedef struct rig {
     ss_haptic *haptic;
     int64_t tick;
     softsim_pose pose;
-    ss_local_model result;
+    ss_simulation_result result;
     bool has_result, is_new;
     bool is_paused, is_reset, is_stopping, has_pose;
     uint32_t epoch, starts;
@@ -97,11 +97,11 @@ static inline double rig_tick(rig *r, double z)
  * at the next tick. */
 static inline void rig_result(rig *r, double k, double depth, int64_t age)
 {
-    r->result = (ss_local_model){.tick = r->tick + 1 - age,
-                                 .step = r->result.step + 1,
-                                 .period = T,
-                                 .orientation = {1, 0, 0, 0},
-                                 .proxy = {0, 0, -depth}};
+    r->result = (ss_simulation_result){.tick = r->tick + 1 - age,
+                                       .step = r->result.step + 1,
+                                       .period = T,
+                                       .orientation = {1, 0, 0, 0},
+                                       .proxy = {0, 0, -depth}};
     ss_contact_set *set = &r->result.set;
     set->count = 1;
     set->normal[2] = 1.0;

@@ -120,7 +120,7 @@ static void law_at(const ss_balance *b, const double d[3], double out[3])
         ss_madd3(out, out, fmax(0.0, f), row->normal);
     }
     for (int r = 0; b->is_held && r < 3; ++r) {
-        out[r] += b->held_force[r] - ss_dot3(b->held_slope[r], d);
+        out[r] += b->grasp_force[r] - ss_dot3(b->grasp_slope[r], d);
     }
 }
 
@@ -131,9 +131,9 @@ static void random_grasp(ss_balance *b)
     b->is_held = true;
     b->count = 0;
     for (int r = 0; r < 3; ++r) {
-        b->held_force[r] = uniform(-5.0, 5.0);
+        b->grasp_force[r] = uniform(-5.0, 5.0);
         for (int c = 0; c < 3; ++c) {
-            b->held_slope[r][c] = r == c ? (r == 2 ? k : k_t) : 0.0;
+            b->grasp_slope[r][c] = r == c ? (r == 2 ? k : k_t) : 0.0;
         }
     }
 }
@@ -169,21 +169,22 @@ static void limited_balance_meets_its_conditions(void **state)
         law_at(&b, d, local);
         ss_add3(total_force, local, b.other);
         if (size <= b.limit) {
-            assert_true(rest.share == 1.0);
+            assert_true(rest.stiffness_fraction == 1.0);
             continue;
         }
         ++limited;
         /* Nearly opposed planes, metres apart, are slipped out of too slowly: then it is cut. */
         const double limit_error = fabs(ss_norm3(total_force) / b.limit - 1.0);
-        assert_true(rest.share > 0.0 && (rest.share < 1.0 || limit_error > 1e-8));
+        assert_true(rest.stiffness_fraction > 0.0 &&
+                    (rest.stiffness_fraction < 1.0 || limit_error > 1e-8));
         too_far += limit_error > 1e-8;
         worst_size = fmax(worst_size, limit_error > 1e-8 ? 0.0 : limit_error);
         /* Soft along the axis; where that cannot do, all ways. */
         const double along = ss_dot3(axis, d);
         ss_scale3(spring, d, b.spring);
-        ss_madd3(spring, spring, (rest.share - 1.0) * b.spring * along, axis);
+        ss_madd3(spring, spring, (rest.stiffness_fraction - 1.0) * b.spring * along, axis);
         double isotropic[3];
-        ss_scale3(isotropic, d, rest.share * b.spring);
+        ss_scale3(isotropic, d, rest.stiffness_fraction * b.spring);
         ss_sub3(spring, spring, local);
         ss_sub3(isotropic, isotropic, local);
         worst = fmax(worst, fmin(ss_norm3(spring), ss_norm3(isotropic)) / fmax(1.0, size));
@@ -205,7 +206,7 @@ static void one_contact_slips_by_closed_form(void **state)
     assert_near(rest.force[0], 1.0, 1e-9);
     assert_near(rest.p[1], 0.6 * 8.0 / 400.0, 1e-11);
     assert_near(rest.p[2], 0.8 * 8.0 / 400.0, 1e-11);
-    assert_near(rest.share, 1.0 / (2000.0 * 0.02), 1e-9);
+    assert_near(rest.stiffness_fraction, 1.0 / (2000.0 * 0.02), 1e-9);
 }
 
 /* What cannot be slipped out of leaves the proxy where the stiff spring holds it: F/K from the
@@ -214,12 +215,12 @@ static void a_law_without_stiffness_keeps_the_proxy_near(void **state)
 {
     ss_balance b = {.spring = 2000.0, .is_held = true, .limit = 1.0};
     ss_rest rest;
-    ss_set3(b.held_force, 0.0, 0.0, 5.0);
+    ss_set3(b.grasp_force, 0.0, 0.0, 5.0);
     ss_coupling_balance(&b, &rest);
     assert_near(rest.p[0], 0.0, 0.0);
     assert_near(rest.p[1], 0.0, 0.0);
     assert_near(rest.p[2], 5.0 / 2000.0, 1e-15);
-    assert_near(rest.share, 1.0, 0.0);
+    assert_near(rest.stiffness_fraction, 1.0, 0.0);
     b.is_held = false;
     ss_set3(b.other, 0.0, 3.0, 0.0);
     ss_coupling_balance(&b, &rest);
@@ -235,11 +236,11 @@ enum { PRESS = 1500, OUT = 1100 };
 static void make_result(rig *r, int count, double k, double period)
 {
     const double *p = r->out.target.proxy;
-    r->result = (ss_local_model){.tick = r->tick,
-                                 .step = r->result.step + 1,
-                                 .period = period,
-                                 .orientation = {1, 0, 0, 0},
-                                 .proxy = {p[0], p[1], p[2]}};
+    r->result = (ss_simulation_result){.tick = r->tick,
+                                       .step = r->result.step + 1,
+                                       .period = period,
+                                       .orientation = {1, 0, 0, 0},
+                                       .proxy = {p[0], p[1], p[2]}};
     ss_contact_set *set = &r->result.set;
     set->count = count;
     set->normal[2] = 1.0;

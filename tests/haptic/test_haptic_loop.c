@@ -233,13 +233,13 @@ typedef struct simulation {
     bool has_last, was_touching;
     int64_t next; /* number of the next step */
     uint32_t teleports;
-    ss_local_model pending[8];
+    ss_simulation_result pending[8];
     int64_t due[8];
     int pending_count;
 } simulation;
 
 static void fill_result(simulation *s, const ss_proxy_target *target, const double p[3],
-                        double from, double stiff_step, ss_local_model *out)
+                        double from, double stiff_step, ss_simulation_result *out)
 {
     memset(out, 0, sizeof *out);
     out->tick = target->tick;
@@ -297,14 +297,14 @@ static void simulate(simulation *s, const setting *set, const ss_proxy_target *t
     chain_step(&moved, from, -p[2] + 10e-6, s->period);
     chain_step(&s->tissue, from, -p[2], s->period);
     const double stiff_step = (moved.reaction - s->tissue.reaction) / 10e-6;
-    ss_local_model *slot = &s->pending[s->pending_count];
+    ss_simulation_result *slot = &s->pending[s->pending_count];
     fill_result(s, target, p, from, stiff_step, slot);
     s->due[s->pending_count++] = tick - 1 + (int64_t)ceil(set->lag * s->period / T - 1e-9);
     memcpy(s->last, p, sizeof p);
     ++s->next;
 }
 
-static bool take_due(simulation *s, int64_t tick, ss_local_model *out)
+static bool take_due(simulation *s, int64_t tick, ss_simulation_result *out)
 {
     bool is_new = false;
     while (s->pending_count > 0 && s->due[0] <= tick) {
@@ -395,7 +395,7 @@ static outcome *run(const setting *set)
     device_start(&d, set->own, set->script, 1);
     simulation s = {.tissue = {.stiffness = set->tissue}, .period = 1.0 / set->rate_hz};
     ss_haptic_output o = {0};
-    ss_local_model result;
+    ss_simulation_result result;
     bool has_result = false;
     for (int n = 0; n < set->ticks; ++n) {
         run_device(set, n, &d, sent, answer, out);

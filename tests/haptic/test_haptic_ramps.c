@@ -272,7 +272,7 @@ static void a_ramp_from_nothing_gives_nothing(void **state)
     r.is_paused = true;
     for (int i = 0; i < 25; ++i) {
         rig_result(&r, 300.0, 4e-3, 1);
-        r.result.set.engulfed = 4e-3;
+        r.result.set.inside_depth = 4e-3;
         assert_near(rig_tick(&r, -4e-3), 0.0, 1e-12);
         assert_false(r.out.force.flags & SOFTSIM_FORCE_CONTACT);
     }
@@ -328,9 +328,18 @@ static void the_hash_tells_laws_apart(void **state)
         size_t offset, size;
     } cases[] = {
 #define CASE(field) {#field, offsetof(ss_local_contact, field), sizeof((ss_local_contact){0}.field)}
-        CASE(free_ticks),       CASE(outward),      CASE(residual),         CASE(released),
-        CASE(slowness),         CASE(viscous),      CASE(held.value),       CASE(held.offset),
-        CASE(held.position),    CASE(held.is_held), CASE(contact[0].value), CASE(contact[0].offset),
+        CASE(free_ticks),
+        CASE(outward),
+        CASE(residual),
+        CASE(released),
+        CASE(min_offset_time),
+        CASE(viscosity_fraction),
+        CASE(grasp.last_force),
+        CASE(grasp.offset),
+        CASE(grasp.position),
+        CASE(grasp.is_held),
+        CASE(contact[0].last_force),
+        CASE(contact[0].offset),
         CASE(contact[0].drift),
 #undef CASE
     };

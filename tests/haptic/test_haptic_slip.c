@@ -14,9 +14,9 @@ TEST(the_proxy_stays_until_models_have_faded_the_grasp)
     for (size_t k = 0; k < sizeof periods / sizeof *periods; ++k) {
         const double period = periods[k];
         const ss_balance balance = {.spring = 1000.0, .limit = 8.0};
-        const ss_rest rest = {.share = 1.0};
-        ss_slip slip = {.limit = 8.0, .share = 1.0};
-        ss_slip_let_go(&slip, aside, period);
+        const ss_rest rest = {.stiffness_fraction = 1.0};
+        ss_slip slip = {.limit = 8.0, .stiffness_fraction = 1.0};
+        ss_slip_keep_aside(&slip, aside, period);
         for (int n = 0; n < (int)lround(0.020 / period); ++n) {
             ss_slip_take(&slip, &balance, &rest, none, 1000.0, period);
             assert_near(slip.aside[1], aside[1], 0.0);

@@ -119,7 +119,7 @@ static double difference(const double a[3], const double b[3])
 static bool is_place_good(const place *p)
 {
     softsim_world *world = make_place(p);
-    const ss_local_model *result = &((const ss_world *)world)->probe[0].computed;
+    const ss_simulation_result *result = &((const ss_world *)world)->probe[0].computed;
     const int stop = (int)((p->depth + 0.005) / 0.05e-3) + SETTLED;
     softsim_force force = {.seq = 0};
     double last[3] = {0.0, 0.0, 0.0}, step = 0.0, handed[3], torque[3];

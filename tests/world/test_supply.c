@@ -155,9 +155,9 @@ static ss_hand_verdict press(planted what, double scale, bool is_lockstep)
         device += given;
         others += what == BY_OTHER ? more : 0.0;
         load += what == BY_LOAD ? more : 0.0;
-        const ss_local_model result = {.has_stored = what != UNTOLD,
-                                       .stored = kept * scale * 500.0 * x * x,
-                                       .load_work = load};
+        const ss_simulation_result result = {.has_stored = what != UNTOLD,
+                                             .stored = kept * scale * 500.0 * x * x,
+                                             .load_work = load};
         const ss_hand_tick now = {.tick = k,
                                   .period = 1e-3,
                                   .pose = &pose,

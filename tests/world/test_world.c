@@ -300,7 +300,7 @@ TEST(a_tool_found_inside_stands_outside_until_it_is_entered)
         ss_world_step_begin(world);
         ss_world_step_compute(world);
         ss_world_step_post(world);
-        const ss_local_model *result = &probe->computed;
+        const ss_simulation_result *result = &probe->computed;
         double way[3];
         ss_sub3(way, result->proxy, deep);
         memcpy(first, k == 0 ? result->proxy : first, sizeof first);

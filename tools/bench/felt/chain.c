@@ -35,7 +35,7 @@ struct ss_chain {
     int64_t step;
     uint32_t teleports;
     /* results under way, oldest first, and the tick each is due in */
-    ss_local_model pending[PENDING], result;
+    ss_simulation_result pending[PENDING], result;
     int64_t due[PENDING];
     int pending_count;
     bool has_result;
@@ -106,7 +106,7 @@ static double depth_of(const ss_chain *chain, const double p[3])
 
 /* F = R grad(depth): along the normal n = (-slope, 0, 1) cos, of size R/cos, stiffness k/cos^2. */
 static void write_result(ss_chain *chain, const ss_proxy_target *target, const double p[3],
-                         double step_tangent, ss_local_model *out)
+                         double step_tangent, ss_simulation_result *out)
 {
     const tissue *t = &chain->tissue;
     const double period = 1.0 / chain->config.rate_hz;
@@ -114,11 +114,11 @@ static void write_result(ss_chain *chain, const ss_proxy_target *target, const d
     double at[3];
     surface(chain, p, at);
     const double cosine = 1.0 / sqrt(1.0 + at[1] * at[1]);
-    *out = (ss_local_model){.tick = target->tick,
-                            .step = chain->step,
-                            .period = period,
-                            .pose_seq = target->pose_seq,
-                            .orientation = {1.0, 0.0, 0.0, 0.0}};
+    *out = (ss_simulation_result){.tick = target->tick,
+                                  .step = chain->step,
+                                  .period = period,
+                                  .pose_seq = target->pose_seq,
+                                  .orientation = {1.0, 0.0, 0.0, 0.0}};
     ss_copy3(out->proxy, p);
     ss_sub3(out->velocity, p, chain->last);
     ss_scale3(out->velocity, out->velocity, 1.0 / period);
