@@ -20,22 +20,6 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-#define TWO_PI           6.283185307179586
-#define VELOCITY_CORNER  50.0  /* Hz: one position count a millisecond is 30 mm/s */
-#define SPEED_MAX        10.0  /* m/s: no hand is faster; bounds what a bad clock can do */
-#define PREDICT_TIME_MAX 0.025 /* s */
-#define PREDICT_MOVE_MAX 0.003 /* m */
-/* Hz: of the acceleration, and what it comes late through both filters is made up for: at 5 Hz they
- * hold it back by VELOCITY_LATE seconds. */
-#define ACCELERATION_CORNER 20.0
-#define VELOCITY_LATE       0.003
-/* s: over a step of a haptic period velocity says it all. */
-#define PREDICT_BEND_FROM 0.002
-/* m: a way by acceleration this long counts half, longer ones next to nothing: they are blows, over
- * before the step is. */
-#define PREDICT_BEND_MOST 0.0016
-/* Of that way where it quickens the tool: one that leaves soft tissue too early meets it again. */
-#define GAIN_SHARE 0.5
 enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS };
 
 struct ss_haptic {
@@ -48,8 +32,7 @@ struct ss_haptic {
     /* It came back before its ramp was over: what it left is ramped down first. */
     bool is_returning;
     softsim_pose left_pose;
-    double v[3];
-    double mean_v[3]; /* v, smoothed: what v is ahead of it is acceleration */
+    ss_motion motion;
     bool is_pressed;
     int64_t press_tick;
     /* state: proxy and tissue */
@@ -77,60 +60,6 @@ struct ss_haptic {
     ss_passivity passivity;
 };
 
-/* ---- guards ---- */
-
-static bool is_pose_finite(const softsim_pose *pose)
-{
-    return ss_is_finite(pose->position, 3) && ss_is_finite(pose->orientation, 4);
-}
-
-static bool is_result_finite(const ss_simulation_result *result)
-{
-    const ss_contact_set *set = &result->set;
-    bool is_good = isfinite(result->period) && ss_is_finite(result->proxy, 3) &&
-                   ss_is_finite(result->velocity, 3) && ss_is_finite(set->force, 3) &&
-                   ss_is_finite(set->torque, 3) && ss_is_finite(set->other_force, 3) &&
-                   ss_is_finite(set->other_torque, 3) && isfinite(set->depth) &&
-                   isfinite(set->step_stiffness) && isfinite(set->inside_depth) &&
-                   ss_is_finite(set->point, 3) && ss_is_finite(result->outward, 3) &&
-                   ss_is_finite(set->normal, 3);
-    for (int32_t i = 0; is_good && i < set->count && i < SS_MAX_CONTACTS; ++i) {
-        const ss_contact *c = &set->contact[i];
-        const double scalar[6] = {c->force,     c->stiffness, c->tangential,
-                                  c->viscosity, c->swift,     c->gap};
-        is_good = ss_is_finite(c->point, 3) && ss_is_finite(c->normal, 3) &&
-                  ss_is_finite(scalar, 6) && ss_is_finite(&c->curvature[0][0], 9);
-    }
-    return is_good;
-}
-
-/* Finite, but plausible? */
-static bool is_result_sound(const ss_simulation_result *result, int64_t tick)
-{
-    if (result->set.count < 0 || result->set.count > SS_MAX_CONTACTS || result->tick > tick ||
-        result->period <= 0.0) {
-        return false;
-    }
-    for (int32_t i = 0; i < result->set.count; ++i) {
-        if (fabs(ss_norm3(result->set.contact[i].normal) - 1.0) > 1e-3) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool are_inputs_finite(const ss_haptic_input *input)
-{
-    for (int32_t i = 0; i < input->pose_count; ++i) {
-        if (!is_pose_finite(&input->pose[i])) {
-            return false;
-        }
-    }
-    /* The values of a faulted result are never used. */
-    return !input->is_result_new || input->result == NULL || input->result->is_fault ||
-           is_result_finite(input->result);
-}
-
 /* ---- poses ---- */
 
 /* Seconds since the last pose: the device's own clock, or ticks in lockstep. */
@@ -142,26 +71,6 @@ static double pose_interval(const ss_haptic *haptic, const softsim_pose *pose, i
     }
     const double elapsed = ((double)pose->utime_us - (double)haptic->pose.utime_us) * 1e-6;
     return elapsed > 0.0 ? elapsed : period;
-}
-
-static void filter_velocity(ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
-{
-    if (ss_is_finite(pose->velocity, 3)) {
-        ss_copy3(haptic->v, pose->velocity);
-    } else {
-        const double elapsed = pose_interval(haptic, pose, tick);
-        const double alpha = 1.0 - exp(-TWO_PI * VELOCITY_CORNER * elapsed);
-        for (int i = 0; i < 3; ++i) {
-            const double raw = (pose->position[i] - haptic->pose.position[i]) / elapsed;
-            haptic->v[i] += alpha * (raw - haptic->v[i]);
-        }
-    }
-    ss_clamp_norm3(haptic->v, SPEED_MAX);
-    const double elapsed = pose_interval(haptic, pose, tick);
-    const double alpha = 1.0 - exp(-TWO_PI * ACCELERATION_CORNER * elapsed);
-    for (int i = 0; i < 3; ++i) {
-        haptic->mean_v[i] += alpha * (haptic->v[i] - haptic->mean_v[i]);
-    }
 }
 
 static void take_button(ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
@@ -194,10 +103,10 @@ static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
         ss_observer_break(&haptic->observer);
     }
     if (is_new_holder || is_return) {
-        ss_set3(haptic->v, 0.0, 0.0, 0.0);
-        ss_set3(haptic->mean_v, 0.0, 0.0, 0.0);
+        ss_motion_rest(&haptic->motion);
     } else {
-        filter_velocity(haptic, pose, tick);
+        ss_motion_take(&haptic->motion, haptic->pose.position, pose,
+                       pose_interval(haptic, pose, tick));
     }
     if (is_new_epoch && !is_new_holder && !haptic->is_returning) {
         haptic->is_returning = true;
@@ -218,7 +127,7 @@ static beginning take_poses(ss_haptic *haptic, const ss_haptic_input *input, boo
     const int32_t first = input->pose_count > POSES_A_TICK ? input->pose_count - POSES_A_TICK : 0;
     beginning begins = {0};
     for (int32_t i = first; i < input->pose_count; ++i) {
-        if (is_bad && !is_pose_finite(&input->pose[i])) {
+        if (is_bad && !ss_haptic_is_pose_finite(&input->pose[i])) {
             continue;
         }
         take_pose(haptic, &input->pose[i], input->sender_epoch, input->tick, &begins);
@@ -276,7 +185,7 @@ static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
 {
     const softsim_pose *pose = held_pose(haptic);
     ss_copy3(x, pose->position);
-    ss_copy3(v, haptic->v);
+    ss_copy3(v, haptic->motion.v);
     if (pose != &haptic->pose) {
         ss_set3(v, 0.0, 0.0, 0.0);
     }
@@ -358,7 +267,7 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
     if (result->is_fault) {
         return false;
     }
-    if (!is_result_finite(result) || !is_result_sound(result, input->tick)) {
+    if (!ss_haptic_is_result_sound(result, input->tick)) {
         ++haptic->bad_inputs;
         return false;
     }
@@ -499,8 +408,7 @@ static void damp(ss_haptic *haptic, const double v[3], double force[3])
                              .stiffness = haptic->output.force.stiffness,
                              .corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0,
                              .is_grasping = haptic->local.grasp.is_held};
-    ss_sub3(now.acceleration, haptic->v, haptic->mean_v);
-    ss_scale3(now.acceleration, now.acceleration, TWO_PI * ACCELERATION_CORNER);
+    ss_motion_acceleration(&haptic->motion, now.acceleration);
     ss_passivity_damp(&haptic->passivity, &haptic->observer, &now, force);
 }
 
@@ -650,8 +558,7 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     ss_madd3(target->velocity, v, (fraction - 1.0) * ss_dot3(v, out), out);
     /* What the hand is slowed down by on a wall is the coupling's, not the tissue's. */
     const double led = fraction * (1.0 - felt_stiffness(haptic, out) / haptic->yield.spring);
-    ss_sub3(target->acceleration, haptic->v, haptic->mean_v);
-    ss_scale3(target->acceleration, target->acceleration, TWO_PI * ACCELERATION_CORNER);
+    ss_motion_acceleration(&haptic->motion, target->acceleration);
     const double along = ss_dot3(target->acceleration, out);
     ss_madd3(target->acceleration, target->acceleration, (led - 1.0) * along, out);
 }
@@ -738,7 +645,7 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
 {
     const double *const vector[] = {haptic->pose.position,
                                     haptic->pdot,
-                                    haptic->mean_v,
+                                    haptic->motion.mean_v,
                                     haptic->slip.direction,
                                     haptic->slip.aside,
                                     haptic->yield.rest,
@@ -794,30 +701,11 @@ void ss_haptic_destroy(ss_haptic **haptic)
     }
 }
 
-void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double period,
-                       double out_position[3])
-{
-    const double ahead = fmin((lag_periods + 0.5) * period, PREDICT_TIME_MAX);
-    double move[3], bend[3];
-    ss_scale3(move, target->velocity, ahead);
-    ss_scale3(bend, target->acceleration, 0.5 * ahead * (ahead + VELOCITY_LATE));
-    if (ss_dot3(bend, move) > 0.0) {
-        ss_scale3(bend, bend, GAIN_SHARE);
-    }
-    if (ahead < PREDICT_BEND_FROM) {
-        ss_set3(bend, 0.0, 0.0, 0.0);
-    }
-    const double square = ss_dot3(bend, bend) / (PREDICT_BEND_MOST * PREDICT_BEND_MOST);
-    ss_madd3(move, move, 1.0 / (1.0 + square * square), bend);
-    ss_clamp_norm3(move, PREDICT_MOVE_MAX);
-    ss_add3(out_position, target->proxy, move);
-}
-
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
 {
     const ss_observer *observer = &haptic->observer;
     const double state[] = {haptic->p[0],         haptic->p[1],        haptic->p[2],
-                            haptic->v[0],         haptic->v[1],        haptic->v[2],
+                            haptic->motion.v[0],  haptic->motion.v[1], haptic->motion.v[2],
                             haptic->yield.spring, observer->limit,     observer->worst,
                             observer->energy,     observer->delay_p95, haptic->slip.limit};
     const int64_t number[] = {haptic->output.force.seq,  (int64_t)haptic->admission.phase,
@@ -833,7 +721,7 @@ uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed)
 void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_output *output)
 {
     const int64_t tick = input->tick;
-    const bool is_bad = !are_inputs_finite(input);
+    const bool is_bad = !ss_haptic_is_input_finite(input);
     haptic->bad_inputs += is_bad;
     haptic->bad_streak = is_bad ? haptic->bad_streak + 1 : 0;
     if (is_bad && haptic->bad_streak < BAD_TICKS) {

@@ -39,6 +39,26 @@ enum {
     SS_ENTRY_TICKS = 500,   /* the depth fades in */
 };
 
+/* ---- guards.c ---- */
+
+bool ss_haptic_is_input_finite(const ss_haptic_input *input);
+bool ss_haptic_is_pose_finite(const softsim_pose *pose);
+/* Finite and plausible. */
+bool ss_haptic_is_result_sound(const ss_simulation_result *result, int64_t tick);
+
+/* ---- motion.c ---- */
+
+typedef struct ss_motion {
+    double v[3];      /* m/s, of the hand */
+    double mean_v[3]; /* v, smoothed: what v is ahead of it is acceleration */
+} ss_motion;
+
+void ss_motion_rest(ss_motion *motion);
+/* A pose `elapsed` s after one at `last`. */
+void ss_motion_take(ss_motion *motion, const double last[3], const softsim_pose *pose,
+                    double elapsed);
+void ss_motion_acceleration(const ss_motion *motion, double out[3]);
+
 /* ---- local_contact.c ---- */
 
 /* One contact of the local contact model: parameters as received, state, and what this tick made of
