@@ -18,7 +18,7 @@ for set in "${@:-build}"; do
 done
 missing=""
 for package in $wanted; do
-  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing="$missing $package"
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep 'ok installed' >/dev/null || missing="$missing $package"
 done
 [ -n "$missing" ] || exit 0
 echo "setup.sh: installing$missing" >&2

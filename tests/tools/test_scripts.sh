@@ -26,7 +26,7 @@ expect 2 "unknown argument '--fast'" tools/test.sh --fast
 expect 2 "one argument too many" tools/test.sh --quick --quick
 expect 2 "unknown set 'everything'" tools/setup.sh everything
 # Reports draw with gnuplot; a fresh machine must get it with what builds them.
-if ! grep -q '^build=' tools/setup.sh || ! sed -n '/^build=/,/"$/p' tools/setup.sh | grep -q gnuplot-nox; then
+if ! grep -q '^build=' tools/setup.sh || ! sed -n '/^build=/,/"$/p' tools/setup.sh | grep gnuplot-nox >/dev/null; then
   echo "tools/setup.sh build does not install gnuplot-nox" >&2
   bad=1
 fi
@@ -59,7 +59,7 @@ for script in demo test; do
 done
 for script in demo test setup own_builds lcm-spy; do
   expect 0 "tools/$script.sh" tools/$script.sh --help
-  if tools/$script.sh --help | grep -qE '^(#|set -)'; then
+  if tools/$script.sh --help | grep -E '^(#|set -)' >/dev/null; then
     echo "tools/$script.sh --help prints its source" >&2
     bad=1
   fi
