@@ -98,6 +98,7 @@ static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
     const bool corrects = (pose->flags & SOFTSIM_POSE_CORRECTS) != 0;
     if (is_new_holder) {
         ss_observer_restart(&haptic->observer, &haptic->config, corrects);
+        ss_passivity_restart(&haptic->passivity);
         ss_set3(haptic->last_force, 0.0, 0.0, 0.0);
     } else if (is_return) {
         ss_observer_break(&haptic->observer);

@@ -331,6 +331,8 @@ typedef struct ss_passivity {
 } ss_passivity;
 
 void ss_passivity_init(ss_passivity *passivity);
+/* Another device: what the last one told, or did, is not held against it. */
+void ss_passivity_restart(ss_passivity *passivity);
 /* Once a tick: backs off, and comes back. */
 void ss_passivity_step(ss_passivity *passivity, const ss_observer *observer, double period,
                        bool is_in_contact);

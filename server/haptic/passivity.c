@@ -45,6 +45,12 @@ void ss_passivity_init(ss_passivity *passivity)
     *passivity = (ss_passivity){.share = 1.0};
 }
 
+void ss_passivity_restart(ss_passivity *passivity)
+{
+    passivity->share = 1.0;
+    passivity->forgiven = 0.0;
+}
+
 void ss_passivity_step(ss_passivity *passivity, const ss_observer *observer, double period,
                        bool is_in_contact)
 {

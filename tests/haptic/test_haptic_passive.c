@@ -216,9 +216,37 @@ static void back_off_is_paced_and_comes_back(void **state)
     free(observer);
 }
 
+/* A device that tells forces which drive it is backed off from; the next one feels the tissue. */
+static void what_a_device_told_ends_with_it(void **state)
+{
+    (void)state;
+    rig r;
+    const ss_haptic_config config = default_config();
+    rig_start(&r, &config);
+    for (int i = 0; i < 300; ++i) {
+        r.pose.applied_force[0] = r.pose.applied_force[1] = 0.0;
+        r.pose.applied_force[2] = -8.0;
+        const double z = -5e-5 * i;
+        rig_result(&r, 300.0, -z, 1);
+        rig_tick(&r, z);
+    }
+    const int64_t backoffs = r.out.stiffness_backoffs;
+    const double left = r.out.stiffness_limit;
+    assert_true(backoffs > 2);
+    ++r.pose.sender;
+    ++r.epoch;
+    r.pose.applied_force[2] = NAN;
+    rig_result(&r, 300.0, -1e-3, 1);
+    rig_tick(&r, 1e-3);
+    assert_int_equal(r.out.stiffness_backoffs, backoffs);
+    assert_true(r.out.stiffness_limit > 1.5 * left);
+    rig_end(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_a_device_told_ends_with_it),
         cmocka_unit_test(damping_takes_the_debt_and_never_pulls),
         cmocka_unit_test(what_is_on_its_way_counts),
         cmocka_unit_test(back_off_is_paced_and_comes_back),
