@@ -338,7 +338,8 @@ static void update_spring(ss_haptic *haptic)
         /* Without a law the tissue has no stiffness: nothing to share it with. */
         wanted = ss_coupling_spring(INFINITY, 0.0);
     }
-    ss_yield_follow(&haptic->yield, wanted, is_in_contact, config->period);
+    ss_yield_follow(&haptic->yield, wanted, is_in_contact, haptic->local.grasp.is_held,
+                    config->period);
 }
 
 /* How far the force may go, N: over the ticks since the last one, of which the thread may have

@@ -230,7 +230,8 @@ typedef struct ss_yield {
 /* The spring is without force at the hand; its stiffness stays. */
 void ss_yield_clear(ss_yield *yield);
 /* Moves K_c towards `wanted`, in contact without a step of the force. */
-void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, double period);
+void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, bool is_grasping,
+                     double period);
 /* dF/dx along unit `n` that the hand feels of tissue with this tensor. */
 double ss_yield_felt(const ss_yield *yield, double tissue[3][3], const double n[3]);
 /* Where a balance left the proxy, the hand's point being at `hand`. */

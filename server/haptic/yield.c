@@ -16,6 +16,11 @@
  * Stiffer it becomes slowly: a loaded spring that stiffens pushes the hand out. At once, like the
  * way down, it gave taps on viscous tissue 0.7 mJ that it now takes 1.4 mJ from.
  *
+ * In a grasp it softens as slowly: the tissue that is held changes its stiffness with every result,
+ * and a spring that follows each drop at once and comes back slowly ends at the softest of them.
+ * Elements that are drawn then swing against it (a box of ed0-tissue held still: 2 N from tick to
+ * tick, where it was at rest).
+ *
  * Rejected: integrating dF = K_c ds along the way. It feels the same, and drifts without bound when
  * k differs on the way in and out.
  */
@@ -38,7 +43,8 @@ void ss_yield_take(ss_yield *yield, const double hand[3], const double proxy[3])
     ss_sub3(yield->stretch, yield->stretch, yield->rest);
 }
 
-void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, double period)
+void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, bool is_grasping,
+                     double period)
 {
     ss_scale3(yield->rest, yield->rest, exp(-period / REST_TIME));
     if (ss_norm3(yield->rest) < NEGLIGIBLE) {
@@ -49,7 +55,8 @@ void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, double 
         return;
     }
     const double before = yield->spring;
-    yield->spring = fmin(before * exp(STIFFEN_RATE * period), wanted);
+    const double pace = exp(STIFFEN_RATE * period);
+    yield->spring = fmin(before * pace, is_grasping ? fmax(before / pace, wanted) : wanted);
     if (yield->spring < before) {
         ss_madd3(yield->rest, yield->rest, 1.0 - before / yield->spring, yield->stretch);
     }

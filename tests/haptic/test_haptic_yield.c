@@ -142,9 +142,28 @@ static void wire_says_what_is_felt(void **state)
     }
 }
 
+/* A stiffness that differs from tick to tick takes the spring of a touch down at once, that of a
+ * grasp no further than the slow pace does both ways. */
+static void a_grasp_softens_as_slowly_as_it_stiffens(void **state)
+{
+    (void)state;
+    for (int is_grasping = 0; is_grasping <= 1; ++is_grasping) {
+        ss_yield yield = {.spring = 1000.0};
+        for (int i = 0; i < 40; ++i) {
+            ss_yield_follow(&yield, i % 2 == 0 ? 200.0 : 1000.0, true, is_grasping, T);
+        }
+        assert_true(is_grasping ? yield.spring > 990.0 : yield.spring < 210.0);
+        for (int i = 0; i < 1000; ++i) {
+            ss_yield_follow(&yield, 200.0, true, is_grasping, T);
+        }
+        assert_near(yield.spring, 200.0, 1e-9);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_grasp_softens_as_slowly_as_it_stiffens),
         cmocka_unit_test(wire_says_what_is_felt),
         cmocka_unit_test(limit_holds_from_the_first_tick),
     };
