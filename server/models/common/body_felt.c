@@ -258,51 +258,51 @@ static double swift_stiffness(ss_body *body, double k_cc)
 static void feel(ss_body *body, int probe, const double normal[3])
 {
     ss_tool *tool = &body->tools.tool[probe];
-    ss_body_touch *query = &body->felt[probe];
+    ss_body_touch *touch = &body->felt[probe];
     if (!tool->was_touching) {
-        memset(query->shape_y, 0, ss_body_bytes(body));
-        memset(query->shape_step, 0, ss_body_bytes(body));
-        query->age = 0;
+        memset(touch->shape_y, 0, ss_body_bytes(body));
+        memset(touch->shape_step, 0, ss_body_bytes(body));
+        touch->age = 0;
     }
     const int iterations = body->substeps / SUBSTEPS;
     const bool is_long = iterations > FIRST_ITERATIONS;
-    const bool is_due = is_long || query->age < YOUNG || query->age % EVERY == 0;
-    ++query->age;
+    const bool is_due = is_long || touch->age < YOUNG || touch->age % EVERY == 0;
+    ++touch->age;
     if (!is_due) {
         return;
     }
     const double k_cc = push_along(body, tool, normal);
     set_inverse(body);
-    set_residual(body, query->shape_y);
-    follow_displacement(body, query->shape_y);
+    set_residual(body, touch->shape_y);
+    follow_displacement(body, touch->shape_y);
     if (is_long) {
-        solve_some(body, query->shape_y, iterations);
-        memset(query->shape_step, 0, ss_body_bytes(body));
+        solve_some(body, touch->shape_y, iterations);
+        memset(touch->shape_step, 0, ss_body_bytes(body));
     } else if (tool->was_touching) {
-        solve_on(body, query);
+        solve_on(body, touch);
     } else {
-        solve_some(body, query->shape_y, FIRST_ITERATIONS);
+        solve_some(body, touch->shape_y, FIRST_ITERATIONS);
     }
-    double felt = estimate(body, k_cc, query->shape_y);
+    double felt = estimate(body, k_cc, touch->shape_y);
     if (tool->was_touching && felt > JUMP * tool->felt) {
-        solve_some(body, query->shape_y, AGAIN_ITERATIONS);
-        memset(query->shape_step, 0, ss_body_bytes(body));
-        query->age = 0;
-        felt = estimate(body, k_cc, query->shape_y);
+        solve_some(body, touch->shape_y, AGAIN_ITERATIONS);
+        memset(touch->shape_step, 0, ss_body_bytes(body));
+        touch->age = 0;
+        felt = estimate(body, k_cc, touch->shape_y);
     }
     /* A body that buckles under the tool has no stiffness to tell: what it had goes on. */
     const double last = tool->was_touching && tool->felt > 0.0 ? tool->felt : k_cc;
     const bool is_stiff = isfinite(felt) && felt > 0.0;
     tool->felt = is_stiff ? felt : last;
     if (!is_stiff) {
-        memset(query->shape_y, 0, ss_body_bytes(body));
-        memset(query->shape_step, 0, ss_body_bytes(body));
+        memset(touch->shape_y, 0, ss_body_bytes(body));
+        memset(touch->shape_step, 0, ss_body_bytes(body));
     }
-    const double viscosity = damping_met(body, query->shape_y);
-    if (query->age <= SWIFT_YOUNG || query->age % SWIFT_EVERY == 1) {
-        query->swift = swift_stiffness(body, k_cc);
+    const double viscosity = damping_met(body, touch->shape_y);
+    if (touch->age <= SWIFT_YOUNG || touch->age % SWIFT_EVERY == 1) {
+        touch->swift = swift_stiffness(body, k_cc);
     }
-    query->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
+    touch->viscosity = isfinite(viscosity) ? fmin(viscosity, MAX_VISCOUS_TIME * tool->felt) : 0.0;
 }
 
 void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set *out)
