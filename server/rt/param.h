@@ -6,6 +6,7 @@
  * are all described by such rows; reading, range errors, --help, --print-config, --set and the
  * command `set` read nothing else.
  */
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -14,6 +15,10 @@ typedef struct ss_range {
     double min, max;
     bool exclusive_min;
 } ss_range;
+
+/* In a row: what its numbers may be. */
+#define SS_FROM(least, most)  .range.min = (least), .range.max = (most)
+#define SS_ABOVE(bound, most) SS_FROM(bound, most), .range.exclusive_min = true
 
 /* A NaN is in no range. */
 static inline bool ss_in_range(const ss_range *range, double value)
@@ -46,6 +51,14 @@ typedef struct ss_param_row {
     const char *choices; /* "a|b|c" for SS_PARAM_CHOICE */
     const char *help;
 } ss_param_row;
+
+/* A row from its kind, name and help; the other fields, where they are not 0, stand behind. */
+#define SS_PARAM(of_kind, key, ...)                                                                \
+    {                                                                                              \
+        .name = (key), .kind = SS_PARAM_##of_kind, .help = __VA_ARGS__                             \
+    }
+/* The fallback of a row that is absent unless given. */
+#define SS_ABSENT ((double)NAN)
 
 /* A value for the link between two nodes. */
 typedef struct ss_param_link {

@@ -13,6 +13,16 @@
     {                                                                                              \
         array, COUNT(array)                                                                        \
     }
+/* A row from its kind, name and help, and one of the keys of another table; the other fields, where
+ * they are not 0, stand behind. */
+#define ROW(of_kind, key, ...)                                                                     \
+    {                                                                                              \
+        .name = (key), .kind = SS_SCENE_##of_kind, .help = __VA_ARGS__                             \
+    }
+#define KEYS(key, ...)                                                                             \
+    {                                                                                              \
+        .name = (key), .kind = SS_SCENE_KEYS, .child = __VA_ARGS__                                 \
+    }
 /* Of the types that check.c binds: another does not compile. */
 #define FIELD(member)                                                                              \
     .field = 1 + (int32_t)offsetof(ss_scene, member) * _Generic(((ss_scene *)NULL)->member,        \
@@ -30,76 +40,41 @@ const double ss_scene_unit_metres[] = {1e-3, 1e-2, 1, 0.0254, 1e-6, 0.1};
 /* ---- regions: sets of nodes ---- */
 
 static const ss_scene_row plane_row[] = {
-    {.name = "point_m",
-     .kind = SS_SCENE_VECTOR,
-     .unit = "m",
-     .range = {.min = -FAR, .max = FAR},
-     .is_required = true,
-     .help = "a point of the plane"},
-    {.name = "normal",
-     .kind = SS_SCENE_VECTOR,
-     .range = {.min = -FAR, .max = FAR},
-     .is_required = true,
-     .help = "its normal, any length; nodes behind the plane are taken"},
+    ROW(VECTOR, "point_m", "a point of the plane", .unit = "m", SS_FROM(-FAR, FAR),
+        .is_required = true),
+    ROW(VECTOR, "normal", "its normal, any length; nodes behind the plane are taken",
+        SS_FROM(-FAR, FAR), .is_required = true),
 };
 static const ss_scene_row sphere_region_row[] = {
-    {.name = "center_m",
-     .kind = SS_SCENE_VECTOR,
-     .unit = "m",
-     .range = {.min = -FAR, .max = FAR},
-     .is_required = true,
-     .help = "its centre"},
-    {.name = "radius_m",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "m",
-     .range = {.max = FAR, .exclusive_min = true},
-     .is_required = true,
-     .help = "nodes within are taken"},
+    ROW(VECTOR, "center_m", "its centre", .unit = "m", SS_FROM(-FAR, FAR), .is_required = true),
+    ROW(NUMBER, "radius_m", "nodes within are taken", .unit = "m", SS_ABOVE(0, FAR),
+        .is_required = true),
 };
 
 /* Which nodes: of the transformed mesh, in metres, borders included. */
 #define REGION_ROWS(letter)                                                                        \
-    {.name = "box_m",                                                                              \
-     .kind = SS_SCENE_BOX,                                                                         \
-     .unit = "m",                                                                                  \
-     .range = {.min = -FAR, .max = FAR},                                                           \
-     .one_of = (letter),                                                                           \
-     .help = "nodes in a box given by its lower and upper corner"},                                \
-        {.name = "sphere",                                                                         \
-         .kind = SS_SCENE_KEYS,                                                                    \
-         .one_of = (letter),                                                                       \
-         .child = TABLE(sphere_region_row)},                                                       \
-        {.name = "plane", .kind = SS_SCENE_KEYS, .one_of = (letter), .child = TABLE(plane_row)},   \
-        {.name = "group",                                                                          \
-         .kind = SS_SCENE_TEXT,                                                                    \
-         .one_of = (letter),                                                                       \
-         .help = "a physical group of the mesh file"},                                             \
-    {                                                                                              \
-        .name = "nodes", .kind = SS_SCENE_NODES, .one_of = (letter),                               \
-        .help = "node numbers from 0, or a file with one a line"                                   \
-    }
-#define AXES_ROW                                                                                   \
-    {                                                                                              \
-        .name = "axes", .kind = SS_SCENE_AXES, .help = "axes held, of the world frame"             \
-    }
+    ROW(BOX, "box_m", "nodes in a box given by its lower and upper corner", .unit = "m",           \
+        SS_FROM(-FAR, FAR), .one_of = (letter)),                                                   \
+        KEYS("sphere", TABLE(sphere_region_row), .one_of = (letter)),                              \
+        KEYS("plane", TABLE(plane_row), .one_of = (letter)),                                       \
+        ROW(TEXT, "group", "a physical group of the mesh file", .one_of = (letter)),               \
+        ROW(NODES, "nodes", "node numbers from 0, or a file with one a line", .one_of = (letter))
+#define AXES_ROW ROW(AXES, "axes", "axes held, of the world frame")
 
 static const ss_scene_row where_row[] = {REGION_ROWS('R')};
 const ss_scene_table ss_scene_where = TABLE(where_row);
 
 static const ss_scene_row values_row[] = {
-    {.name = "file",
-     .kind = SS_SCENE_FILE,
-     .is_required = true,
-     .help = "CSV with the header node,value and a row for every node; for "
-             "material of tetrahedra also element,value"},
+    ROW(FILE, "file",
+        "CSV with the header node,value and a row for every node; for material of tetrahedra also "
+        "element,value",
+        .is_required = true),
 };
 const ss_scene_table ss_scene_values = TABLE(values_row);
 
 static const ss_scene_row directions_row[] = {
-    {.name = "file",
-     .kind = SS_SCENE_FILE,
-     .is_required = true,
-     .help = "CSV with the header element,x,y,z and a row for every element"},
+    ROW(FILE, "file", "CSV with the header element,x,y,z and a row for every element",
+        .is_required = true),
 };
 const ss_scene_table ss_scene_directions = TABLE(directions_row);
 
@@ -108,33 +83,16 @@ static const ss_scene_row fixed_row[] = {REGION_ROWS('R'), AXES_ROW};
 /* ---- object ---- */
 
 static const ss_scene_row transform_row[] = {
-    {.name = "scale",
-     .kind = SS_SCENE_NUMBER,
-     .range = {.max = 1e6, .exclusive_min = true},
-     .fallback = 1,
-     .help = "times this, first"},
-    {.name = "rotate_deg",
-     .kind = SS_SCENE_VECTOR,
-     .unit = "degrees",
-     .range = {.min = -3600, .max = 3600},
-     .help = "about the world's x, then y, then z"},
-    {.name = "translate_m",
-     .kind = SS_SCENE_VECTOR,
-     .unit = "m",
-     .range = {.min = -FAR, .max = FAR},
-     .help = "moved by this, last"},
+    ROW(NUMBER, "scale", "times this, first", SS_ABOVE(0, 1e6), .fallback = 1),
+    ROW(VECTOR, "rotate_deg", "about the world's x, then y, then z", .unit = "degrees",
+        SS_FROM(-3600, 3600)),
+    ROW(VECTOR, "translate_m", "moved by this, last", .unit = "m", SS_FROM(-FAR, FAR)),
 };
 /* Grids: mesh.h says how their nodes and elements are numbered. */
 #define COUNT_ROW(key, least, text)                                                                \
-    {                                                                                              \
-        .name = (key), .kind = SS_SCENE_INTEGER,                                                   \
-        .range = {.min = (least), .max = SS_MESH_MAX_GRID}, .is_required = true, .help = (text)    \
-    }
+    ROW(INTEGER, key, text, SS_FROM(least, SS_MESH_MAX_GRID), .is_required = true)
 #define SIZE_ROW(key, text)                                                                        \
-    {                                                                                              \
-        .name = (key), .kind = SS_SCENE_NUMBER, .unit = "m",                                       \
-        .range = {.max = FAR, .exclusive_min = true}, .is_required = true, .help = (text)          \
-    }
+    ROW(NUMBER, key, text, .unit = "m", SS_ABOVE(0, FAR), .is_required = true)
 static const ss_scene_row cylinder_grid_row[] = {
     COUNT_ROW("rows", 2, "rings of nodes, from z = -length/2 to length/2; the direction u"),
     COUNT_ROW("columns", 3, "nodes of a ring, from +x towards +y; the direction w"),
@@ -148,259 +106,133 @@ static const ss_scene_row plane_grid_row[] = {
     SIZE_ROW("height_m", "along y, about the origin"),
 };
 static const ss_scene_row grid_row[] = {
-    {.name = "cylinder", .kind = SS_SCENE_KEYS, .one_of = 'G', .child = TABLE(cylinder_grid_row)},
-    {.name = "plane", .kind = SS_SCENE_KEYS, .one_of = 'G', .child = TABLE(plane_grid_row)},
-    {.name = "file",
-     .kind = SS_SCENE_FILE,
-     .one_of = 'G',
-     .help = "CSV with the header x,y,z: rows times columns nodes in object.units, row by row"},
-    {.name = "rows",
-     .kind = SS_SCENE_INTEGER,
-     .range = {.min = 2, .max = SS_MESH_MAX_GRID},
-     .is_required = true,
-     .needs = "file",
-     .help = "of the file's nodes; the direction u runs from row to row"},
-    {.name = "columns",
-     .kind = SS_SCENE_INTEGER,
-     .range = {.min = 2, .max = SS_MESH_MAX_GRID},
-     .is_required = true,
-     .needs = "file",
-     .help = "nodes of a row; the direction w"},
-    {.name = "closed",
-     .kind = SS_SCENE_CHOICE,
-     .choices = "none|rows|columns",
-     .needs = "file",
-     .help = "what runs back to its first: the last row, or the last column"},
+    KEYS("cylinder", TABLE(cylinder_grid_row), .one_of = 'G'),
+    KEYS("plane", TABLE(plane_grid_row), .one_of = 'G'),
+    ROW(FILE, "file",
+        "CSV with the header x,y,z: rows times columns nodes in object.units, row by row",
+        .one_of = 'G'),
+    ROW(INTEGER, "rows", "of the file's nodes; the direction u runs from row to row",
+        SS_FROM(2, SS_MESH_MAX_GRID), .is_required = true, .needs = "file"),
+    ROW(INTEGER, "columns", "nodes of a row; the direction w", SS_FROM(2, SS_MESH_MAX_GRID),
+        .is_required = true, .needs = "file"),
+    ROW(CHOICE, "closed", "what runs back to its first: the last row, or the last column",
+        .choices = "none|rows|columns", .needs = "file"),
 };
 static const ss_scene_row object_row[] = {
-    {.name = "mesh",
-     .kind = SS_SCENE_FILE,
-     .one_of = 'M',
-     .help = "surface (OBJ STL PLY GLB MSH VTK) or volume (MSH, TetGen, VTK)"},
-    {.name = "grid", .kind = SS_SCENE_KEYS, .one_of = 'M', .child = TABLE(grid_row)},
-    {.name = "units",
-     .kind = SS_SCENE_CHOICE,
-     .choices = UNITS,
-     .is_required = true,
-     .unless = "grid",
-     .help = "of the file of the mesh, or of a grid's nodes"},
-    {.name = "outer",
-     .kind = SS_SCENE_FILE,
-     .needs = "mesh",
-     .help = "surface around the mesh's volume, in the same units and place: what lies between is "
-             "the layer of hybrid"},
-    {.name = "transform", .kind = SS_SCENE_KEYS, .child = TABLE(transform_row)},
-    {.name = "repair",
-     .kind = SS_SCENE_BOOL,
-     .help = "weld, drop and turn what softsim-mesh convert --repair does; numbers are then the "
-             "mended mesh's"},
-    {.name = "fixed",
-     .kind = SS_SCENE_ENTRIES,
-     .child = TABLE(fixed_row),
-     .help = "nodes that do not move"},
+    ROW(FILE, "mesh", "surface (OBJ STL PLY GLB MSH VTK) or volume (MSH, TetGen, VTK)",
+        .one_of = 'M'),
+    KEYS("grid", TABLE(grid_row), .one_of = 'M'),
+    ROW(CHOICE, "units", "of the file of the mesh, or of a grid's nodes", .choices = UNITS,
+        .is_required = true, .unless = "grid"),
+    ROW(FILE, "outer",
+        "surface around the mesh's volume, in the same units and place: what lies between is the "
+        "layer of hybrid",
+        .needs = "mesh"),
+    KEYS("transform", TABLE(transform_row)),
+    ROW(BOOL, "repair",
+        "weld, drop and turn what softsim-mesh convert --repair does; numbers are then the mended "
+        "mesh's"),
+    ROW(ENTRIES, "fixed", "nodes that do not move", .child = TABLE(fixed_row)),
 };
 
 /* ---- contact ---- */
 
-#define RADIUS_ROW                                                                                 \
-    {                                                                                              \
-        .name = "radius_mm", .kind = SS_SCENE_NUMBER, .unit = "mm",                                \
-        .range = {.max = 1e4, .exclusive_min = true}, .is_required = true, .help = "its radius"    \
-    }
-#define LENGTH_ROW(text)                                                                           \
-    {                                                                                              \
-        .name = "length_mm", .kind = SS_SCENE_NUMBER, .unit = "mm",                                \
-        .range = {.max = 1e4, .exclusive_min = true}, .is_required = true, .help = (text)          \
-    }
+#define SHAPE_ROW(of_kind, key, text)                                                              \
+    ROW(of_kind, key, text, .unit = "mm", SS_ABOVE(0, 1e4), .is_required = true)
+#define RADIUS_ROW       SHAPE_ROW(NUMBER, "radius_mm", "its radius")
+#define LENGTH_ROW(text) SHAPE_ROW(NUMBER, "length_mm", text)
 static const ss_scene_row sphere_row[] = {RADIUS_ROW};
 static const ss_scene_row capsule_row[] = {RADIUS_ROW, LENGTH_ROW("of its axis, without the caps")};
 static const ss_scene_row cylinder_row[] = {RADIUS_ROW, LENGTH_ROW("along z")};
 static const ss_scene_row cone_row[] = {RADIUS_ROW, LENGTH_ROW("along z, the tip at +z")};
 static const ss_scene_row box_row[] = {
-    {.name = "size_mm",
-     .kind = SS_SCENE_VECTOR,
-     .unit = "mm",
-     .range = {.max = 1e4, .exclusive_min = true},
-     .is_required = true,
-     .help = "its whole edges"},
+    SHAPE_ROW(VECTOR, "size_mm", "its whole edges"),
 };
 static const ss_scene_row convex_row[] = {
-    {.name = "file", .kind = SS_SCENE_FILE, .is_required = true, .help = "a convex surface mesh"},
-    {.name = "units",
-     .kind = SS_SCENE_CHOICE,
-     .choices = UNITS,
-     .help = "of that file; absent: object.units"},
+    ROW(FILE, "file", "a convex surface mesh", .is_required = true),
+    ROW(CHOICE, "units", "of that file; absent: object.units", .choices = UNITS),
 };
 static const ss_scene_row shape_row[] = {
-    {.name = "sphere", .kind = SS_SCENE_KEYS, .one_of = 'S', .child = TABLE(sphere_row)},
-    {.name = "capsule", .kind = SS_SCENE_KEYS, .one_of = 'S', .child = TABLE(capsule_row)},
-    {.name = "box", .kind = SS_SCENE_KEYS, .one_of = 'S', .child = TABLE(box_row)},
-    {.name = "cylinder", .kind = SS_SCENE_KEYS, .one_of = 'S', .child = TABLE(cylinder_row)},
-    {.name = "cone", .kind = SS_SCENE_KEYS, .one_of = 'S', .child = TABLE(cone_row)},
-    {.name = "convex", .kind = SS_SCENE_KEYS, .one_of = 'S', .child = TABLE(convex_row)},
+    KEYS("sphere", TABLE(sphere_row), .one_of = 'S'),
+    KEYS("capsule", TABLE(capsule_row), .one_of = 'S'),
+    KEYS("box", TABLE(box_row), .one_of = 'S'),
+    KEYS("cylinder", TABLE(cylinder_row), .one_of = 'S'),
+    KEYS("cone", TABLE(cone_row), .one_of = 'S'),
+    KEYS("convex", TABLE(convex_row), .one_of = 'S'),
 };
 static const ss_scene_row tool_row[] = {
-    {.name = "probe",
-     .kind = SS_SCENE_INTEGER,
-     .range = {.max = SOFTSIM_MAX_PROBES - 1},
-     .is_required = true,
-     .help = "which probe moves it"},
-    {.name = "shape", .kind = SS_SCENE_KEYS, .is_required = true, .child = TABLE(shape_row)},
+    ROW(INTEGER, "probe", "which probe moves it", SS_FROM(0, SOFTSIM_MAX_PROBES - 1),
+        .is_required = true),
+    KEYS("shape", TABLE(shape_row), .is_required = true),
 };
 static const ss_scene_row contact_row[] = {
-    {.name = "tools",
-     .kind = SS_SCENE_ENTRIES,
-     .child = TABLE(tool_row),
-     .help = "one per probe, at the probe's origin, axis z"},
-    {.name = "working_force_n",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "N",
-     .range = {.max = 1e3, .exclusive_min = true},
-     .fallback = 2,
-     .one_of = 'c',
-     .help = "contact stiffness is chosen from it",
-     FIELD(working_force_n)},
-    {.name = "stiffness_n_per_m3",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "N/m^3",
-     .range = {.max = 1e15, .exclusive_min = true},
-     .one_of = 'c',
-     .help = "contact stiffness, instead of choosing it",
-     FIELD(contact_stiffness_n_per_m3)},
+    ROW(ENTRIES, "tools", "one per probe, at the probe's origin, axis z", .child = TABLE(tool_row)),
+    ROW(NUMBER, "working_force_n", "contact stiffness is chosen from it", .unit = "N",
+        SS_ABOVE(0, 1e3), .fallback = 2, .one_of = 'c', FIELD(working_force_n)),
+    ROW(NUMBER, "stiffness_n_per_m3", "contact stiffness, instead of choosing it", .unit = "N/m^3",
+        SS_ABOVE(0, 1e15), .one_of = 'c', FIELD(contact_stiffness_n_per_m3)),
 };
 
 /* ---- simulation, haptic, publish ---- */
 
 static const ss_scene_row simulation_row[] = {
-    {.name = "rate_hz",
-     .kind = SS_SCENE_RATE,
-     .unit = "Hz",
-     .range = {.min = 1, .max = 1e4},
-     .help = "steps a second; auto: from counted work",
-     FIELD(simulation_rate_hz)},
-    {.name = "max_substeps",
-     .kind = SS_SCENE_INTEGER,
-     .range = {.min = 1, .max = 1e5},
-     .fallback = 64,
-     .help = "in real time, of a step of up to 4 ms, of longer ones more; where that is not "
-             "enough: slower than real time, and flagged",
-     FIELD(max_substeps)},
+    ROW(RATE, "rate_hz", "steps a second; auto: from counted work", .unit = "Hz", SS_FROM(1, 1e4),
+        FIELD(simulation_rate_hz)),
+    ROW(INTEGER, "max_substeps",
+        "in real time, of a step of up to 4 ms, of longer ones more; where that is not enough: "
+        "slower than real time, and flagged",
+        SS_FROM(1, 1e5), .fallback = 64, FIELD(max_substeps)),
 };
 static const ss_scene_row coupling_row[] = {
-    {.name = "stiffness_n_per_m",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "N/m",
-     .range = {.min = 1, .max = 1e5},
-     .fallback = 800,
-     .help = "the stiffest the hand may feel",
-     FIELD(coupling_stiffness_n_per_m),
-     LIVE(SS_LIVE_COUPLING_STIFFNESS)},
-    {.name = "damping_n_s_per_m",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "N s/m",
-     .range = {.max = 1e3},
-     .fallback = 2,
-     .help = "of the coupling",
-     FIELD(coupling_damping_n_s_per_m),
-     LIVE(SS_LIVE_COUPLING_DAMPING)},
+    ROW(NUMBER, "stiffness_n_per_m", "the stiffest the hand may feel", .unit = "N/m",
+        SS_FROM(1, 1e5), .fallback = 800, FIELD(coupling_stiffness_n_per_m),
+        LIVE(SS_LIVE_COUPLING_STIFFNESS)),
+    ROW(NUMBER, "damping_n_s_per_m", "of the coupling", .unit = "N s/m", SS_FROM(0, 1e3),
+        .fallback = 2, FIELD(coupling_damping_n_s_per_m), LIVE(SS_LIVE_COUPLING_DAMPING)),
 };
 static const ss_scene_row haptic_row[] = {
-    {.name = "between_steps",
-     .kind = SS_SCENE_CHOICE,
-     .choices = "hold|linear|local",
-     .fallback = SS_SCENE_LOCAL,
-     .help = "what predicts the force between simulation results",
-     FIELD(between_steps),
-     LIVE(SS_LIVE_BETWEEN_STEPS)},
-    {.name = "rate_hz",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "Hz",
-     .range = {.min = 10, .max = 1e4},
-     .fallback = 1000,
-     .help = "forces a second",
-     FIELD(haptic_rate_hz)},
-    {.name = "max_force_n",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "N",
-     .range = {.min = 0.01, .max = 100},
-     .fallback = 8,
-     .help = "never more than this on the hand",
-     FIELD(max_force_n),
-     LIVE(SS_LIVE_MAX_FORCE)},
-    {.name = "max_slew_n_per_s",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "N/s",
-     .range = {.min = 10, .max = 1e6},
-     .fallback = 2000,
-     .help = "largest rate of change of the force, rising or falling",
-     FIELD(max_slew_n_per_s),
-     LIVE(SS_LIVE_MAX_SLEW)},
-    {.name = "max_jump_m",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "m",
-     .range = {.max = 10, .exclusive_min = true},
-     .fallback = 0.05,
-     .help = "a pose further than this from the last is refused",
-     FIELD(max_jump_m),
-     LIVE(SS_LIVE_MAX_JUMP)},
-    {.name = "coupling", .kind = SS_SCENE_KEYS, .child = TABLE(coupling_row)},
+    ROW(CHOICE, "between_steps", "what predicts the force between simulation results",
+        .choices = "hold|linear|local", .fallback = SS_SCENE_LOCAL, FIELD(between_steps),
+        LIVE(SS_LIVE_BETWEEN_STEPS)),
+    ROW(NUMBER, "rate_hz", "forces a second", .unit = "Hz", SS_FROM(10, 1e4), .fallback = 1000,
+        FIELD(haptic_rate_hz)),
+    ROW(NUMBER, "max_force_n", "never more than this on the hand", .unit = "N", SS_FROM(0.01, 100),
+        .fallback = 8, FIELD(max_force_n), LIVE(SS_LIVE_MAX_FORCE)),
+    ROW(NUMBER, "max_slew_n_per_s", "largest rate of change of the force, rising or falling",
+        .unit = "N/s", SS_FROM(10, 1e6), .fallback = 2000, FIELD(max_slew_n_per_s),
+        LIVE(SS_LIVE_MAX_SLEW)),
+    ROW(NUMBER, "max_jump_m", "a pose further than this from the last is refused", .unit = "m",
+        SS_ABOVE(0, 10), .fallback = 0.05, FIELD(max_jump_m), LIVE(SS_LIVE_MAX_JUMP)),
+    KEYS("coupling", TABLE(coupling_row)),
 };
 static const ss_scene_row publish_row[] = {
-    {.name = "mesh_rate_hz",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "Hz",
-     .range = {.max = 1e3},
-     .fallback = 60,
-     .help = "mesh messages a second; 0: none, and no publisher",
-     FIELD(mesh_rate_hz),
-     LIVE(SS_LIVE_MESH_RATE)},
-    {.name = "max_bytes_per_s",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "B/s",
-     .range = {.min = 1e4, .max = 1e10},
-     .fallback = 8e6,
-     .help = "of mesh messages, topology included",
-     FIELD(max_bytes_per_s),
-     LIVE(SS_LIVE_MAX_BYTES)},
+    ROW(NUMBER, "mesh_rate_hz", "mesh messages a second; 0: none, and no publisher", .unit = "Hz",
+        SS_FROM(0, 1e3), .fallback = 60, FIELD(mesh_rate_hz), LIVE(SS_LIVE_MESH_RATE)),
+    ROW(NUMBER, "max_bytes_per_s", "of mesh messages, topology included", .unit = "B/s",
+        SS_FROM(1e4, 1e10), .fallback = 8e6, FIELD(max_bytes_per_s), LIVE(SS_LIVE_MAX_BYTES)),
 };
 
 /* ---- loads and prescribed displacements ---- */
 
-#define TIME_ROW(key, text)                                                                        \
-    {                                                                                              \
-        .name = (key), .kind = SS_SCENE_NUMBER, .unit = "s", .range = {.max = FOREVER},            \
-        .help = (text)                                                                             \
-    }
+#define TIME_ROW(key, text) ROW(NUMBER, key, text, .unit = "s", SS_FROM(0, FOREVER))
 static const ss_scene_row load_row[] = {
     REGION_ROWS('R'),
-    {.name = "force_n",
-     .kind = SS_SCENE_VECTOR,
-     .unit = "N",
-     .range = {.min = -1e6, .max = 1e6},
-     .one_of = 'L',
-     .help = "total force, shared equally by the nodes"},
-    {.name = "pressure_pa",
-     .kind = SS_SCENE_NUMBER,
-     .unit = "Pa",
-     .range = {.min = -1e9, .max = 1e9},
-     .one_of = 'L',
-     .help = "on the triangles whose nodes are all in the region; it follows them"},
+    ROW(VECTOR, "force_n", "total force, shared equally by the nodes", .unit = "N",
+        SS_FROM(-1e6, 1e6), .one_of = 'L'),
+    ROW(NUMBER, "pressure_pa",
+        "on the triangles whose nodes are all in the region; it follows them", .unit = "Pa",
+        SS_FROM(-1e9, 1e9), .one_of = 'L'),
     TIME_ROW("from_s", "begins"),
     TIME_ROW("to_s", "ends; absent: never"),
     TIME_ROW("ramp_s", "from nothing to full in this time"),
 };
 static const ss_scene_row prescribed_row[] = {
     REGION_ROWS('r'),
-    {.name = "displacement_m",
-     .kind = SS_SCENE_VECTOR,
-     .unit = "m",
-     .range = {.min = -FAR, .max = FAR},
-     .one_of = 'D',
-     .help = "from rest, the same for every node"},
-    {.name = "displacement_file",
-     .kind = SS_SCENE_FILE,
-     .one_of = 'D',
-     .help = "CSV with the header node,ux,uy,uz in m; an empty cell leaves that axis free"},
+    ROW(VECTOR, "displacement_m", "from rest, the same for every node", .unit = "m",
+        SS_FROM(-FAR, FAR), .one_of = 'D'),
+    ROW(FILE, "displacement_file",
+        "CSV with the header node,ux,uy,uz in m; an empty cell leaves that axis free",
+        .one_of = 'D'),
     AXES_ROW,
     TIME_ROW("from_s", "begins"),
     TIME_ROW("ramp_s", "from nothing to full in this time"),
@@ -409,31 +241,17 @@ static const ss_scene_row prescribed_row[] = {
 /* ---- the file ---- */
 
 static const ss_scene_row root_row[] = {
-    {.name = "softsim",
-     .kind = SS_SCENE_INTEGER,
-     .range = {.min = 1, .max = 1},
-     .is_required = true,
-     .fallback = 1,
-     .help = "version of the scene format"},
-    {.name = "object", .kind = SS_SCENE_KEYS, .is_required = true, .child = TABLE(object_row)},
+    ROW(INTEGER, "softsim", "version of the scene format", SS_FROM(1, 1), .is_required = true,
+        .fallback = 1),
+    KEYS("object", TABLE(object_row), .is_required = true),
     {.name = "model", .kind = SS_SCENE_MODEL, .is_required = true},
-    {.name = "contact", .kind = SS_SCENE_KEYS, .child = TABLE(contact_row)},
-    {.name = "simulation", .kind = SS_SCENE_KEYS, .child = TABLE(simulation_row)},
-    {.name = "gravity_m_s2",
-     .kind = SS_SCENE_VECTOR,
-     .unit = "m/s^2",
-     .range = {.min = -1e3, .max = 1e3},
-     .help = "acceleration on everything",
-     FIELD(gravity)},
-    {.name = "haptic", .kind = SS_SCENE_KEYS, .child = TABLE(haptic_row)},
-    {.name = "publish", .kind = SS_SCENE_KEYS, .child = TABLE(publish_row)},
-    {.name = "loads",
-     .kind = SS_SCENE_ENTRIES,
-     .child = TABLE(load_row),
-     .help = "forces without a tool"},
-    {.name = "prescribed",
-     .kind = SS_SCENE_ENTRIES,
-     .child = TABLE(prescribed_row),
-     .help = "displacements without a tool"},
+    KEYS("contact", TABLE(contact_row)),
+    KEYS("simulation", TABLE(simulation_row)),
+    ROW(VECTOR, "gravity_m_s2", "acceleration on everything", .unit = "m/s^2", SS_FROM(-1e3, 1e3),
+        FIELD(gravity)),
+    KEYS("haptic", TABLE(haptic_row)),
+    KEYS("publish", TABLE(publish_row)),
+    ROW(ENTRIES, "loads", "forces without a tool", .child = TABLE(load_row)),
+    ROW(ENTRIES, "prescribed", "displacements without a tool", .child = TABLE(prescribed_row)),
 };
 const ss_scene_table ss_scene_root = TABLE(root_row);

@@ -15,16 +15,10 @@
 enum { STIFFNESS, AREA_DENSITY, ROW_COUNT };
 
 static const ss_param_row rows[ROW_COUNT] = {
-    [STIFFNESS] = {.name = "stiffness_n_per_m3",
-                   .kind = SS_PARAM_NUMBER,
-                   .range = {.max = 1e12, .exclusive_min = true},
-                   .fallback = 1e6,
-                   .help = "pressure by indentation, k"},
-    [AREA_DENSITY] = {.name = "area_density_kg_m2",
-                      .kind = SS_PARAM_NUMBER,
-                      .range = {.max = 1e6, .exclusive_min = true},
-                      .fallback = 10.0,
-                      .help = "mass by area, sigma"}};
+    [STIFFNESS] = SS_PARAM(NUMBER, "stiffness_n_per_m3", "pressure by indentation, k",
+                           SS_ABOVE(0, 1e12), .fallback = 1e6),
+    [AREA_DENSITY] = SS_PARAM(NUMBER, "area_density_kg_m2", "mass by area, sigma", SS_ABOVE(0, 1e6),
+                              .fallback = 10.0)};
 
 struct ss_model {
     ss_body *body; /* first: ss_body_model_* read it */

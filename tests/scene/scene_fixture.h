@@ -26,11 +26,7 @@
 /* ---- a model, a mesh, a folder ---- */
 
 static const ss_param_row block_row[] = {
-    {.name = "density_kg_m3",
-     .kind = SS_PARAM_NUMBER,
-     .range = {.max = 1e5, .exclusive_min = true},
-     .fallback = 1000,
-     .help = "mass"},
+    SS_PARAM(NUMBER, "density_kg_m3", "mass", SS_ABOVE(0, 1e5), .fallback = 1000),
 };
 static const ss_scene_model model[] = {
     {.name = "jelly", .row = jelly_row, .row_count = sizeof jelly_row / sizeof *jelly_row},

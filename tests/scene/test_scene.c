@@ -408,22 +408,14 @@ TEST(directions_by_file_are_of_quads_or_triangles_or_tetrahedra)
 /* ---- the bundled scenes ---- */
 
 /* The keys of the model that the bundled scenes use; their values are the model's own business. */
-#define KEY(key, fallback_value)                                                                   \
-    {                                                                                              \
-        .name = (key), .kind = SS_PARAM_FIELD, .range = {.max = 1e9},                              \
-        .fallback = (fallback_value), .help = "see the model"                                      \
-    }
+#define KEY(key, usual) SS_PARAM(FIELD, key, "see the model", SS_FROM(0, 1e9), .fallback = (usual))
 static const ss_param_row energy_row[] = {
     KEY("modulus_j", NAN),
     KEY("modulus_n_per_m", NAN),
     KEY("pretension_j", 0),
     KEY("enclosed_bulk_pa", 0),
     KEY("rho", 1),
-    {.name = "per_area",
-     .kind = SS_PARAM_BOOL,
-     .range = {.max = 1},
-     .fallback = 1,
-     .help = "per area"},
+    SS_PARAM(BOOL, "per_area", "per area", SS_FROM(0, 1), .fallback = 1),
     KEY("area_density_kg_m2", NAN),
     KEY("damping_n_s_per_m3", NAN),
     KEY("rest_stiffness_n_per_m3", NAN),

@@ -303,18 +303,9 @@ static void write_files(const char *name, const ss_mesh *mesh)
 }
 
 static const ss_param_row jelly_row[] = {
-    {.name = "rho",
-     .kind = SS_PARAM_FIELD,
-     .range = {.max = 10},
-     .fallback = 1,
-     .help = "conductance"},
-    {.name = "grain", .kind = SS_PARAM_DIRECTION, .help = "of the fibres"},
-    {.name = "stiff",
-     .kind = SS_PARAM_FIELD,
-     .range = {.max = 10},
-     .takes_elements = true,
-     .fallback = 1,
-     .help = "stiffness"},
+    SS_PARAM(FIELD, "rho", "conductance", SS_FROM(0, 10), .fallback = 1),
+    SS_PARAM(DIRECTION, "grain", "of the fibres"),
+    SS_PARAM(FIELD, "stiff", "stiffness", SS_FROM(0, 10), .takes_elements = true, .fallback = 1),
 };
 static const ss_scene_model jelly = {.name = "jelly", .row = jelly_row, .row_count = 3};
 

@@ -35,31 +35,18 @@
 #include "rt/vec.h"
 
 static const ss_param_row rows[SS_MAIL_ROW_COUNT] = {
-    [SS_MAIL_ALPHA] = {.name = "alpha",
-                       .kind = SS_PARAM_FIELD,
-                       .range = {.min = 0.0, .max = 10.0},
-                       .fallback = 0.15,
-                       .help = "slack of a link along itself, a share of its length"},
-    [SS_MAIL_BETA] = {.name = "beta",
-                      .kind = SS_PARAM_NUMBER,
-                      .range = {.min = 0.0, .max = 10.0},
-                      .fallback = 0.5,
-                      .help = "slack across (shear) of the box band"},
-    [SS_MAIL_BAND] = {.name = "band",
-                      .kind = SS_PARAM_CHOICE,
-                      .range = {.max = 1.0},
-                      .choices = "box|radial",
-                      .help = "limits per axis, as Gibson's, or along the link"},
-    [SS_MAIL_ORDER] = {.name = "order",
-                       .kind = SS_PARAM_CHOICE,
-                       .range = {.max = 1.0},
-                       .choices = "fifo|violation",
-                       .help = "who moves next: first come, or the largest violation"},
-    [SS_MAIL_RELAXATION_ITERATIONS] = {.name = "relaxation_iterations",
-                                       .kind = SS_PARAM_INTEGER,
-                                       .range = {.min = 0.0, .max = 1000.0},
-                                       .fallback = 0.0,
-                                       .help = "passes of averaging a step"}};
+    [SS_MAIL_ALPHA] =
+        SS_PARAM(FIELD, "alpha", "slack of a link along itself, a share of its length",
+                 SS_FROM(0.0, 10.0), .fallback = 0.15),
+    [SS_MAIL_BETA] = SS_PARAM(NUMBER, "beta", "slack across (shear) of the box band",
+                              SS_FROM(0.0, 10.0), .fallback = 0.5),
+    [SS_MAIL_BAND] = SS_PARAM(CHOICE, "band", "limits per axis, as Gibson's, or along the link",
+                              .range.max = 1.0, .choices = "box|radial"),
+    [SS_MAIL_ORDER] =
+        SS_PARAM(CHOICE, "order", "who moves next: first come, or the largest violation",
+                 .range.max = 1.0, .choices = "fifo|violation"),
+    [SS_MAIL_RELAXATION_ITERATIONS] = SS_PARAM(INTEGER, "relaxation_iterations",
+                                               "passes of averaging a step", SS_FROM(0.0, 1000.0))};
 
 /* ---- the band ---- */
 

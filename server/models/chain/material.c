@@ -29,71 +29,45 @@
 /* Of the largest stable step. */
 #define STEP_SHARE 0.9
 const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
-    [SS_CHAIN_ALPHA] = {.name = "alpha",
-                        .kind = SS_PARAM_FIELD,
-                        .range = {.min = 0.0, .max = 10.0},
-                        .takes_links = true,
-                        .fallback = (double)NAN,
-                        .help = "slack of a link, a share of its length; default 0.02, or from "
-                                "toe_force_n"},
-    [SS_CHAIN_TOE_FORCE_N] = {.name = "toe_force_n",
-                              .kind = SS_PARAM_NUMBER,
-                              .range = {.min = 0.0, .max = 1e6},
-                              .fallback = (double)NAN,
-                              .help = "instead of alpha: the tension up to which a link hardly "
-                                      "resists"},
-    [SS_CHAIN_STIFFNESS_N_PER_M] = {.name = "link_stiffness_n_per_m",
-                                    .kind = SS_PARAM_FIELD,
-                                    .range = {.min = 0.0, .max = 1e9, .exclusive_min = true},
-                                    .fallback = 100.0,
-                                    .help = "k, of a link beyond its slack"},
-    [SS_CHAIN_CAPACITANCE_S] = {.name = "capacitance_s",
-                                .kind = SS_PARAM_FIELD,
-                                .range = {.min = 0.0, .max = 1e6, .exclusive_min = true},
-                                .fallback = (double)NAN,
-                                .help = "C, the time a cell takes to answer; absent: the least "
-                                        "for which a quarter of the step suffices, in at most 8 "
-                                        "sub-steps"},
-    [SS_CHAIN_SATURATION_SIZES] = {.name = "saturation_sizes",
-                                   .kind = SS_PARAM_NUMBER,
-                                   .range = {.min = 0.0, .max = 1e6, .exclusive_min = true},
-                                   .fallback = (double)NAN,
-                                   .help =
-                                       "K, largest output of a cell in sizes of the body; absent: "
-                                       "none"},
-    [SS_CHAIN_SOURCE] = {.name = "source",
-                         .kind = SS_PARAM_CHOICE,
-                         .range = {.max = 1.0},
-                         .choices = "position|current",
-                         .help = "a tool holds the cells it touches, or is a current source of "
-                                 "the displacement it asks for"},
-    [SS_CHAIN_UNLOADING] = {.name = "unloading",
-                            .kind = SS_PARAM_CHOICE,
-                            .range = {.max = 2.0},
-                            .choices = "ramp|literal|keep",
-                            .help = "as a tool goes back, alpha falls with it, at once, or not"},
-    [SS_CHAIN_LEAK] = {.name = "leak_resistance",
-                       .kind = SS_PARAM_NUMBER,
-                       .range = {.min = 0.0, .max = 1e9, .exclusive_min = true},
-                       .fallback = (double)NAN,
-                       .help = "R_rest, draws cells back to the exact rest shape; absent: none"},
-    [SS_CHAIN_TET_GUARD] = {.name = "tet_guard",
-                            .kind = SS_PARAM_BOOL,
-                            .range = {.max = 1.0},
-                            .fallback = 1.0,
-                            .help = "keeps tetrahedra above a fifth of their volume"},
-    [SS_CHAIN_CELLS] = {.name = "cells",
-                        .kind = SS_PARAM_INTEGER,
-                        .range = {.min = 4.0, .max = 4096.0},
-                        .fallback = (double)NAN,
-                        .help = "aggregates the chain elements into so many cells away from tools; "
-                                "absent: a cell each"},
-    [SS_CHAIN_COARSE_CELLS] = {.name = "coarse_cells",
-                               .kind = SS_PARAM_INTEGER,
-                               .range = {.min = 0.0, .max = 512.0},
-                               .fallback = (double)NAN,
-                               .help = "cells of the coarse level that spreads a poke at once; 0: "
-                                       "none; absent: 64 for volumes"}};
+    [SS_CHAIN_ALPHA] = SS_PARAM(
+        FIELD, "alpha", "slack of a link, a share of its length; default 0.02, or from toe_force_n",
+        SS_FROM(0.0, 10.0), .takes_links = true, .fallback = SS_ABSENT),
+    [SS_CHAIN_TOE_FORCE_N] = SS_PARAM(
+        NUMBER, "toe_force_n", "instead of alpha: the tension up to which a link hardly resists",
+        SS_FROM(0.0, 1e6), .fallback = SS_ABSENT),
+    [SS_CHAIN_STIFFNESS_N_PER_M] =
+        SS_PARAM(FIELD, "link_stiffness_n_per_m", "k, of a link beyond its slack",
+                 SS_ABOVE(0.0, 1e9), .fallback = 100.0),
+    [SS_CHAIN_CAPACITANCE_S] =
+        SS_PARAM(FIELD, "capacitance_s",
+                 "C, the time a cell takes to answer; absent: the least for which a quarter of the "
+                 "step suffices, in at most 8 sub-steps",
+                 SS_ABOVE(0.0, 1e6), .fallback = SS_ABSENT),
+    [SS_CHAIN_SATURATION_SIZES] =
+        SS_PARAM(NUMBER, "saturation_sizes",
+                 "K, largest output of a cell in sizes of the body; absent: none",
+                 SS_ABOVE(0.0, 1e6), .fallback = SS_ABSENT),
+    [SS_CHAIN_SOURCE] = SS_PARAM(
+        CHOICE, "source",
+        "a tool holds the cells it touches, or is a current source of the displacement it asks for",
+        .range.max = 1.0, .choices = "position|current"),
+    [SS_CHAIN_UNLOADING] =
+        SS_PARAM(CHOICE, "unloading", "as a tool goes back, alpha falls with it, at once, or not",
+                 .range.max = 2.0, .choices = "ramp|literal|keep"),
+    [SS_CHAIN_LEAK] = SS_PARAM(NUMBER, "leak_resistance",
+                               "R_rest, draws cells back to the exact rest shape; absent: none",
+                               SS_ABOVE(0.0, 1e9), .fallback = SS_ABSENT),
+    [SS_CHAIN_TET_GUARD] =
+        SS_PARAM(BOOL, "tet_guard", "keeps tetrahedra above a fifth of their volume",
+                 SS_FROM(0, 1.0), .fallback = 1.0),
+    [SS_CHAIN_CELLS] = SS_PARAM(
+        INTEGER, "cells",
+        "aggregates the chain elements into so many cells away from tools; absent: a cell each",
+        SS_FROM(4.0, 4096.0), .fallback = SS_ABSENT),
+    [SS_CHAIN_COARSE_CELLS] = SS_PARAM(
+        INTEGER, "coarse_cells",
+        "cells of the coarse level that spreads a poke at once; 0: none; absent: 64 for volumes",
+        SS_FROM(0.0, 512.0), .fallback = SS_ABSENT)};
 
 /* ---- links ---- */
 

@@ -19,157 +19,96 @@
 
 /* ---- the table ---- */
 
-#define ABSENT ((double)NAN)
-
 const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
-    [SS_CNN_DOMAIN] = {.name = "domain",
-                       .kind = SS_PARAM_CHOICE,
-                       .range = {.max = 1.0},
-                       .choices = "surface|volume",
-                       .help = "where energy propagates: along the surface, or through the "
-                               "tetrahedra of a volume mesh"},
-    [SS_CNN_MODULUS_J] = {.name = "modulus_j",
-                          .kind = SS_PARAM_NUMBER,
-                          .range = {.max = 1e9, .exclusive_min = true},
-                          .is_live = true,
-                          .fallback = ABSENT,
-                          .help = "stiffness of the network (J), the same on every mesh; this or "
-                                  "modulus_n_per_m or modulus_pa"},
-    [SS_CNN_MODULUS_N_PER_M] = {.name = "modulus_n_per_m",
-                                .kind = SS_PARAM_NUMBER,
-                                .range = {.max = 1e12, .exclusive_min = true},
-                                .is_live = true,
-                                .fallback = ABSENT,
-                                .help = "membrane modulus E; tools then take E times the median "
-                                        "Qhat of this mesh"},
+    [SS_CNN_DOMAIN] = SS_PARAM(
+        CHOICE, "domain",
+        "where energy propagates: along the surface, or through the tetrahedra of a volume mesh",
+        .range.max = 1.0, .choices = "surface|volume"),
+    [SS_CNN_MODULUS_J] = SS_PARAM(NUMBER, "modulus_j",
+                                  "stiffness of the network (J), the same on every mesh; this or "
+                                  "modulus_n_per_m or modulus_pa",
+                                  SS_ABOVE(0, 1e9), .is_live = true, .fallback = SS_ABSENT),
+    [SS_CNN_MODULUS_N_PER_M] =
+        SS_PARAM(NUMBER, "modulus_n_per_m",
+                 "membrane modulus E; tools then take E times the median Qhat of this mesh",
+                 SS_ABOVE(0, 1e12), .is_live = true, .fallback = SS_ABSENT),
     [SS_CNN_MODULUS_PA] =
-        {.name = "modulus_pa",
-         .kind = SS_PARAM_NUMBER,
-         .range = {.max = 1e15, .exclusive_min = true},
-         .is_live = true,
-         .fallback = ABSENT,
-         .help = "the network's modulus with domain: volume, not Young's modulus (fit "
-                 "it by softsim-fit); tools then take it times the "
-                 "median Qhat of this mesh"},
-    [SS_CNN_PRETENSION_J] = {.name = "pretension_j",
-                             .kind = SS_PARAM_NUMBER,
-                             .range = {.max = 1e9},
-                             .is_live = true,
-                             .help = "tension of the surface at rest (J), balanced by what it "
-                                     "encloses; recommended for closed bodies that are fixed"},
-    [SS_CNN_ENCLOSED_BULK_PA] =
-        {.name = "enclosed_bulk_pa",
-         .kind = SS_PARAM_NUMBER,
-         .range = {.max = 1e12},
-         .help = "resistance of the enclosed volume of each body to change; closed "
-                 "bodies that are fixed"},
-    [SS_CNN_RHO] = {.name = "rho",
-                    .kind = SS_PARAM_FIELD,
-                    .range = {.max = 1e12, .exclusive_min = true},
-                    .fallback = 1.0,
-                    .help = "constitutive coefficient of the network; only its ratios matter "
-                            "unless it saturates"},
-    [SS_CNN_RHO_DIRECTION] = {.name = "rho_direction",
-                              .kind = SS_PARAM_FIELD,
-                              .range = {.max = 1e12, .exclusive_min = true},
-                              .fallback = ABSENT,
-                              .help = "anisotropic, in place of rho: along the material direction "
-                                      "(on a grid without one: along u)"},
-    [SS_CNN_RHO_ACROSS] = {.name = "rho_across",
-                           .kind = SS_PARAM_FIELD,
-                           .range = {.max = 1e12, .exclusive_min = true},
-                           .fallback = ABSENT,
-                           .help = "anisotropic: across the material direction"},
-    [SS_CNN_MATERIAL_DIRECTION] = {.name = "material_direction",
-                                   .kind = SS_PARAM_DIRECTION,
-                                   .range = {.max = 1.0},
-                                   .fallback = ABSENT,
-                                   .help = "direction of rho_direction; on surfaces its projection "
-                                           "counts, on a grid the nearer pair of sides"},
-    [SS_CNN_PER_AREA] = {.name = "per_area",
-                         .kind = SS_PARAM_BOOL,
-                         .range = {.max = 1.0},
-                         .fallback = 1.0,
-                         .help = "mass, damping and rest stiffness per area, times the node's "
-                                 "area (with domain: volume per volume); false: per node as "
-                                 "given"},
-    [SS_CNN_AREA_DENSITY] = {.name = "area_density_kg_m2",
-                             .kind = SS_PARAM_FIELD,
-                             .range = {.max = 1e9, .exclusive_min = true},
-                             .fallback = ABSENT,
-                             .help = "mass per area"},
-    [SS_CNN_AREA_DAMPING] = {.name = "damping_n_s_per_m3",
-                             .kind = SS_PARAM_FIELD,
-                             .range = {.max = 1e12},
-                             .fallback = ABSENT,
-                             .help = "damping per area (gamma)"},
-    [SS_CNN_AREA_REST_STIFFNESS] = {.name = "rest_stiffness_n_per_m3",
-                                    .kind = SS_PARAM_FIELD,
-                                    .range = {.max = 1e15},
-                                    .fallback = ABSENT,
-                                    .help = "stiffness per area with which a node returns to its "
-                                            "place at rest (ks)"},
-    [SS_CNN_VOLUME_DENSITY] = {.name = "density_kg_m3",
-                               .kind = SS_PARAM_FIELD,
-                               .range = {.max = 1e9, .exclusive_min = true},
-                               .fallback = ABSENT,
-                               .help = "mass per volume, with domain: volume"},
-    [SS_CNN_VOLUME_DAMPING] = {.name = "damping_n_s_per_m4",
-                               .kind = SS_PARAM_FIELD,
-                               .range = {.max = 1e15},
-                               .fallback = ABSENT,
-                               .help = "damping per volume (gamma), with domain: volume"},
-    [SS_CNN_VOLUME_REST_STIFFNESS] = {.name = "rest_stiffness_n_per_m4",
-                                      .kind = SS_PARAM_FIELD,
-                                      .range = {.max = 1e18},
-                                      .fallback = ABSENT,
-                                      .help = "stiffness per volume with which a node returns to "
-                                              "its place at rest (ks), with domain: volume"},
-    [SS_CNN_MASS] = {.name = "mass_kg",
-                     .kind = SS_PARAM_FIELD,
-                     .range = {.max = 1e9, .exclusive_min = true},
-                     .fallback = ABSENT,
-                     .help = "mass of a node, with per_area: false"},
-    [SS_CNN_DAMPING] = {.name = "damping_n_s_per_m",
-                        .kind = SS_PARAM_FIELD,
-                        .range = {.max = 1e12},
-                        .fallback = ABSENT,
-                        .help = "damping of a node, with per_area: false"},
-    [SS_CNN_REST_STIFFNESS] = {.name = "rest_stiffness_n_per_m",
-                               .kind = SS_PARAM_FIELD,
-                               .range = {.max = 1e15},
-                               .fallback = ABSENT,
-                               .help = "rest stiffness of a node, with per_area: false"},
-    [SS_CNN_SATURATION] = {.name = "saturation",
-                           .kind = SS_PARAM_NUMBER,
-                           .range = {.max = 1e30, .exclusive_min = true},
-                           .fallback = ABSENT,
-                           .help = "largest output K of a cell, in the potential's unit; absent: "
-                                   "none"},
-    [SS_CNN_SOURCE] = {.name = "source",
-                       .kind = SS_PARAM_CHOICE,
-                       .range = {.max = 1.0},
-                       .choices = "footprint|contact",
-                       .help = "where energy enters: on every cell under a tool or of a load, or "
-                               "on the one contact cell"},
-    [SS_CNN_SOLVER] = {.name = "solver",
-                       .kind = SS_PARAM_CHOICE,
-                       .range = {.max = 1.0},
-                       .choices = "equilibrium|relaxation",
-                       .help = "the network settled, or in its own time from the first touch on"},
-    [SS_CNN_RELAXATION_STEPS] = {.name = "relaxation_steps",
-                                 .kind = SS_PARAM_INTEGER,
-                                 .range = {.min = 1.0, .max = 10000.0},
-                                 .fallback = 10.0,
-                                 .help = "steps of the network's own time a sub-step, with solver: "
-                                         "relaxation"},
-    [SS_CNN_WINDOW_TOLERANCE] = {.name = "window_tolerance",
-                                 .kind = SS_PARAM_NUMBER,
-                                 .range = {.max = 0.01},
-                                 .fallback = 8e-5,
-                                 .help = "nodes of a large body that follow the far field within "
-                                         "this share of the largest displacement take no step of "
-                                         "their own; 0: all nodes do"},
+        SS_PARAM(NUMBER, "modulus_pa",
+                 "the network's modulus with domain: volume, not Young's modulus (fit it by "
+                 "softsim-fit); tools then take it times the median Qhat of this mesh",
+                 SS_ABOVE(0, 1e15), .is_live = true, .fallback = SS_ABSENT),
+    [SS_CNN_PRETENSION_J] = SS_PARAM(NUMBER, "pretension_j",
+                                     "tension of the surface at rest (J), balanced by what it "
+                                     "encloses; recommended for closed bodies that are fixed",
+                                     SS_FROM(0, 1e9), .is_live = true),
+    [SS_CNN_ENCLOSED_BULK_PA] = SS_PARAM(
+        NUMBER, "enclosed_bulk_pa",
+        "resistance of the enclosed volume of each body to change; closed bodies that are fixed",
+        SS_FROM(0, 1e12)),
+    [SS_CNN_RHO] = SS_PARAM(
+        FIELD, "rho",
+        "constitutive coefficient of the network; only its ratios matter unless it saturates",
+        SS_ABOVE(0, 1e12), .fallback = 1.0),
+    [SS_CNN_RHO_DIRECTION] = SS_PARAM(FIELD, "rho_direction",
+                                      "anisotropic, in place of rho: along the material direction "
+                                      "(on a grid without one: along u)",
+                                      SS_ABOVE(0, 1e12), .fallback = SS_ABSENT),
+    [SS_CNN_RHO_ACROSS] =
+        SS_PARAM(FIELD, "rho_across", "anisotropic: across the material direction",
+                 SS_ABOVE(0, 1e12), .fallback = SS_ABSENT),
+    [SS_CNN_MATERIAL_DIRECTION] = SS_PARAM(DIRECTION, "material_direction",
+                                           "direction of rho_direction; on surfaces its projection "
+                                           "counts, on a grid the nearer pair of sides",
+                                           SS_FROM(0, 1.0), .fallback = SS_ABSENT),
+    [SS_CNN_PER_AREA] = SS_PARAM(BOOL, "per_area",
+                                 "mass, damping and rest stiffness per area, times the node's area "
+                                 "(with domain: volume per volume); false: per node as given",
+                                 SS_FROM(0, 1.0), .fallback = 1.0),
+    [SS_CNN_AREA_DENSITY] = SS_PARAM(FIELD, "area_density_kg_m2", "mass per area", SS_ABOVE(0, 1e9),
+                                     .fallback = SS_ABSENT),
+    [SS_CNN_AREA_DAMPING] = SS_PARAM(FIELD, "damping_n_s_per_m3", "damping per area (gamma)",
+                                     SS_FROM(0, 1e12), .fallback = SS_ABSENT),
+    [SS_CNN_AREA_REST_STIFFNESS] =
+        SS_PARAM(FIELD, "rest_stiffness_n_per_m3",
+                 "stiffness per area with which a node returns to its place at rest (ks)",
+                 SS_FROM(0, 1e15), .fallback = SS_ABSENT),
+    [SS_CNN_VOLUME_DENSITY] =
+        SS_PARAM(FIELD, "density_kg_m3", "mass per volume, with domain: volume", SS_ABOVE(0, 1e9),
+                 .fallback = SS_ABSENT),
+    [SS_CNN_VOLUME_DAMPING] =
+        SS_PARAM(FIELD, "damping_n_s_per_m4", "damping per volume (gamma), with domain: volume",
+                 SS_FROM(0, 1e15), .fallback = SS_ABSENT),
+    [SS_CNN_VOLUME_REST_STIFFNESS] = SS_PARAM(FIELD, "rest_stiffness_n_per_m4",
+                                              "stiffness per volume with which a node returns to "
+                                              "its place at rest (ks), with domain: volume",
+                                              SS_FROM(0, 1e18), .fallback = SS_ABSENT),
+    [SS_CNN_MASS] = SS_PARAM(FIELD, "mass_kg", "mass of a node, with per_area: false",
+                             SS_ABOVE(0, 1e9), .fallback = SS_ABSENT),
+    [SS_CNN_DAMPING] =
+        SS_PARAM(FIELD, "damping_n_s_per_m", "damping of a node, with per_area: false",
+                 SS_FROM(0, 1e12), .fallback = SS_ABSENT),
+    [SS_CNN_REST_STIFFNESS] =
+        SS_PARAM(FIELD, "rest_stiffness_n_per_m", "rest stiffness of a node, with per_area: false",
+                 SS_FROM(0, 1e15), .fallback = SS_ABSENT),
+    [SS_CNN_SATURATION] = SS_PARAM(
+        NUMBER, "saturation", "largest output K of a cell, in the potential's unit; absent: none",
+        SS_ABOVE(0, 1e30), .fallback = SS_ABSENT),
+    [SS_CNN_SOURCE] = SS_PARAM(
+        CHOICE, "source",
+        "where energy enters: on every cell under a tool or of a load, or on the one contact cell",
+        .range.max = 1.0, .choices = "footprint|contact"),
+    [SS_CNN_SOLVER] = SS_PARAM(CHOICE, "solver",
+                               "the network settled, or in its own time from the first touch on",
+                               .range.max = 1.0, .choices = "equilibrium|relaxation"),
+    [SS_CNN_RELAXATION_STEPS] =
+        SS_PARAM(INTEGER, "relaxation_steps",
+                 "steps of the network's own time a sub-step, with solver: relaxation",
+                 SS_FROM(1.0, 10000.0), .fallback = 10.0),
+    [SS_CNN_WINDOW_TOLERANCE] =
+        SS_PARAM(NUMBER, "window_tolerance",
+                 "nodes of a large body that follow the far field within this share of the largest "
+                 "displacement take no step of their own; 0: all nodes do",
+                 SS_FROM(0, 0.01), .fallback = 8e-5),
 };
 
 /* ---- values a node ---- */

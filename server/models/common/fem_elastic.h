@@ -37,76 +37,45 @@ enum {
 /* Elasticity and density: the first rows of every table of parameters of tetrahedra; `laws` are the
  * choices, the last of them number `last`. */
 #define SS_FEM_SOLID_ROWS(laws, last, usual)                                                       \
-    [SS_FEM_MATERIAL] = {.name = "material",                                                       \
-                         .kind = SS_PARAM_CHOICE,                                                  \
-                         .range = {.max = (last)},                                                 \
-                         .choices = (laws),                                                        \
-                         .fallback = (usual),                                                      \
-                         .help = "law of the tissue: all agree at small strain"},                  \
-    [SS_FEM_YOUNGS_MODULUS] = {.name = "youngs_modulus_pa",                                        \
-                               .kind = SS_PARAM_FIELD,                                             \
-                               .takes_elements = true,                                             \
-                               .range = {.max = 1e15, .exclusive_min = true},                      \
-                               .fallback = (double)NAN,                                            \
-                               .help = "E; with poisson_ratio, or give lame_lambda_pa and "        \
-                                       "lame_mu_pa; an element takes the mean of its nodes"},      \
-    [SS_FEM_POISSON_RATIO] = {.name = "poisson_ratio",                                             \
-                              .kind = SS_PARAM_FIELD,                                              \
-                              .takes_elements = true,                                              \
-                              .range = {.min = -1.0, .max = 0.49999, .exclusive_min = true},       \
-                              .fallback = (double)NAN,                                             \
-                              .help = "nu; soft tissue is near 0.5"},                              \
-    [SS_FEM_LAMBDA] = {.name = "lame_lambda_pa",                                                   \
-                       .kind = SS_PARAM_FIELD,                                                     \
-                       .takes_elements = true,                                                     \
-                       .range = {.min = -1e15, .max = 1e15},                                       \
-                       .fallback = (double)NAN,                                                    \
-                       .help = "Lame's first constant, in place of E and nu"},                     \
-    [SS_FEM_MU] = {.name = "lame_mu_pa",                                                           \
-                   .kind = SS_PARAM_FIELD,                                                         \
-                   .takes_elements = true,                                                         \
-                   .range = {.max = 1e15, .exclusive_min = true},                                  \
-                   .fallback = (double)NAN,                                                        \
-                   .help = "shear modulus, in place of E and nu"},                                 \
-    [SS_FEM_DENSITY] = {.name = "density_kg_m3",                                                   \
-                        .kind = SS_PARAM_FIELD,                                                    \
-                        .takes_elements = true,                                                    \
-                        .range = {.max = 1e9, .exclusive_min = true},                              \
-                        .fallback = 1000.0,                                                        \
-                        .help = "mass per volume"}
+    [SS_FEM_MATERIAL] =                                                                            \
+        SS_PARAM(CHOICE, "material", "law of the tissue: all agree at small strain",               \
+                 .range.max = (last), .choices = (laws), .fallback = (usual)),                     \
+    [SS_FEM_YOUNGS_MODULUS] =                                                                      \
+        SS_PARAM(FIELD, "youngs_modulus_pa",                                                       \
+                 "E; with poisson_ratio, or give lame_lambda_pa and lame_mu_pa; an element takes " \
+                 "the mean of its nodes",                                                          \
+                 .takes_elements = true, SS_ABOVE(0, 1e15), .fallback = SS_ABSENT),                \
+    [SS_FEM_POISSON_RATIO] =                                                                       \
+        SS_PARAM(FIELD, "poisson_ratio", "nu; soft tissue is near 0.5", .takes_elements = true,    \
+                 SS_ABOVE(-1.0, 0.49999), .fallback = SS_ABSENT),                                  \
+    [SS_FEM_LAMBDA] =                                                                              \
+        SS_PARAM(FIELD, "lame_lambda_pa", "Lame's first constant, in place of E and nu",           \
+                 .takes_elements = true, SS_FROM(-1e15, 1e15), .fallback = SS_ABSENT),             \
+    [SS_FEM_MU] = SS_PARAM(FIELD, "lame_mu_pa", "shear modulus, in place of E and nu",             \
+                           .takes_elements = true, SS_ABOVE(0, 1e15), .fallback = SS_ABSENT),      \
+    [SS_FEM_DENSITY] = SS_PARAM(FIELD, "density_kg_m3", "mass per volume", .takes_elements = true, \
+                                SS_ABOVE(0, 1e9), .fallback = 1000.0)
 
 /* Damping, time step and cure for locking: the rows that follow where forces are ss_fem's. */
 #define SS_FEM_FORCE_ROWS                                                                          \
-    [SS_FEM_PHI] = {.name = "viscosity_phi_pa_s",                                                  \
-                    .kind = SS_PARAM_FIELD,                                                        \
-                    .takes_elements = true,                                                        \
-                    .range = {.max = 1e12},                                                        \
-                    .help = "viscosity of dilatation"},                                            \
-    [SS_FEM_PSI] = {.name = "viscosity_psi_pa_s",                                                  \
-                    .kind = SS_PARAM_FIELD,                                                        \
-                    .takes_elements = true,                                                        \
-                    .range = {.max = 1e12},                                                        \
-                    .help = "viscosity of shear"},                                                 \
-    [SS_FEM_STIFFNESS_DAMPING] = {.name = "stiffness_damping_s",                                   \
-                                  .kind = SS_PARAM_NUMBER,                                         \
-                                  .range = {.max = 1e6},                                           \
-                                  .help = "adds this time times lambda and mu to the "             \
-                                          "viscosities: it damps stiff modes most"},               \
-    [SS_FEM_MASS_DAMPING] = {.name = "mass_damping_per_s",                                         \
-                             .kind = SS_PARAM_NUMBER,                                              \
-                             .range = {.max = 1e9},                                                \
-                             .help = "damping per mass: it damps all modes, and free flight"},     \
-    [SS_FEM_INTEGRATOR] = {.name = "integrator",                                                   \
-                           .kind = SS_PARAM_CHOICE,                                                \
-                           .range = {.max = 1.0},                                                  \
-                           .choices = "symplectic-euler|rk4",                                      \
-                           .help = "rk4 costs four times as much and loses energy"},               \
-    [SS_FEM_LOCKING_CURE] = {.name = "locking_cure",                                               \
-                             .kind = SS_PARAM_CHOICE,                                              \
-                             .range = {.max = 2.0},                                                \
-                             .choices = "auto|none|nodal-pressure",                                \
-                             .help = "shares the resistance to dilatation among the elements of "  \
-                                     "a node; auto: where Poisson's ratio is above 0.45"}
+    [SS_FEM_PHI] = SS_PARAM(FIELD, "viscosity_phi_pa_s", "viscosity of dilatation",                \
+                            .takes_elements = true, SS_FROM(0, 1e12)),                             \
+    [SS_FEM_PSI] = SS_PARAM(FIELD, "viscosity_psi_pa_s", "viscosity of shear",                     \
+                            .takes_elements = true, SS_FROM(0, 1e12)),                             \
+    [SS_FEM_STIFFNESS_DAMPING] = SS_PARAM(                                                         \
+        NUMBER, "stiffness_damping_s",                                                             \
+        "adds this time times lambda and mu to the viscosities: it damps stiff modes most",        \
+        SS_FROM(0, 1e6)),                                                                          \
+    [SS_FEM_MASS_DAMPING] =                                                                        \
+        SS_PARAM(NUMBER, "mass_damping_per_s",                                                     \
+                 "damping per mass: it damps all modes, and free flight", SS_FROM(0, 1e9)),        \
+    [SS_FEM_INTEGRATOR] =                                                                          \
+        SS_PARAM(CHOICE, "integrator", "rk4 costs four times as much and loses energy",            \
+                 .range.max = 1.0, .choices = "symplectic-euler|rk4"),                             \
+    [SS_FEM_LOCKING_CURE] = SS_PARAM(CHOICE, "locking_cure",                                       \
+                                     "shares the resistance to dilatation among the elements of "  \
+                                     "a node; auto: where Poisson's ratio is above 0.45",          \
+                                     .range.max = 2.0, .choices = "auto|none|nodal-pressure")
 
 /* The first rows of a table with all of them. */
 #define SS_FEM_ROWS                                                                                \

@@ -38,46 +38,31 @@ enum { POINTS_PER_AWAKE = 4, SPARE_POINTS = 400 };
 
 static const ss_param_row rows[SS_HYBRID_ROW_COUNT] = {
     SS_FEM_ROWS,
-    [SS_HYBRID_SPACING] = {.name = "layer.spacing_m",
-                           .kind = SS_PARAM_FIELD,
-                           .range = {.max = 1e3, .exclusive_min = true},
-                           .is_required = true,
-                           .fallback = (double)NAN,
-                           .help = "of the particles; finer ones are halves, quarters or eighths "
-                                   "of the coarsest"},
-    [SS_HYBRID_THICKNESS] = {.name = "layer.thickness_m",
-                             .kind = SS_PARAM_NUMBER,
-                             .range = {.min = -1e3, .max = 1e3},
-                             .fallback = (double)NAN,
-                             .help = "without object.outer: grows the layer outward from the mesh, "
-                                     "or inward (below 0)"},
-    [SS_HYBRID_COHESION] = {.name = "layer.lennard_jones_share",
-                            .kind = SS_PARAM_NUMBER,
-                            .range = {.max = 1.0},
-                            .fallback = 0.05,
-                            .help = "of the particles' shear stiffness that is their cohesion"},
-    [SS_HYBRID_STABILISATION] = {.name = "layer.stabilisation",
-                                 .kind = SS_PARAM_NUMBER,
-                                 .range = {.max = 100.0},
-                                 .fallback = 0.3,
-                                 .help = "stiffness against motions that the strain does not see, "
-                                         "times the shear modulus"},
-    [SS_HYBRID_ACTIVATE] = {.name = "layer.activate_m",
-                            .kind = SS_PARAM_NUMBER,
-                            .range = {.max = 1e9, .exclusive_min = true},
-                            .fallback = (double)NAN,
-                            .help = "particles nearer than this to a tool wake; absent: 4 "
-                                    "spacings; as far as the body is long: all, always"},
-    [SS_HYBRID_DEACTIVATE] = {.name = "layer.deactivate_m",
-                              .kind = SS_PARAM_NUMBER,
-                              .range = {.max = 1e9, .exclusive_min = true},
-                              .fallback = (double)NAN,
-                              .help = "and further than this may sleep; absent: 1.3 times that"},
-    [SS_HYBRID_MAX_ACTIVE] = {.name = "layer.max_active",
-                              .kind = SS_PARAM_INTEGER,
-                              .range = {.min = 1, .max = 1e6},
-                              .fallback = 600,
-                              .help = "the nearest ones wake where there are more"}};
+    [SS_HYBRID_SPACING] =
+        SS_PARAM(FIELD, "layer.spacing_m",
+                 "of the particles; finer ones are halves, quarters or eighths of the coarsest",
+                 SS_ABOVE(0, 1e3), .is_required = true, .fallback = SS_ABSENT),
+    [SS_HYBRID_THICKNESS] =
+        SS_PARAM(NUMBER, "layer.thickness_m",
+                 "without object.outer: grows the layer outward from the mesh, or inward (below 0)",
+                 SS_FROM(-1e3, 1e3), .fallback = SS_ABSENT),
+    [SS_HYBRID_COHESION] = SS_PARAM(NUMBER, "layer.lennard_jones_share",
+                                    "of the particles' shear stiffness that is their cohesion",
+                                    SS_FROM(0, 1.0), .fallback = 0.05),
+    [SS_HYBRID_STABILISATION] =
+        SS_PARAM(NUMBER, "layer.stabilisation",
+                 "stiffness against motions that the strain does not see, times the shear modulus",
+                 SS_FROM(0, 100.0), .fallback = 0.3),
+    [SS_HYBRID_ACTIVATE] = SS_PARAM(NUMBER, "layer.activate_m",
+                                    "particles nearer than this to a tool wake; absent: 4 "
+                                    "spacings; as far as the body is long: all, always",
+                                    SS_ABOVE(0, 1e9), .fallback = SS_ABSENT),
+    [SS_HYBRID_DEACTIVATE] = SS_PARAM(NUMBER, "layer.deactivate_m",
+                                      "and further than this may sleep; absent: 1.3 times that",
+                                      SS_ABOVE(0, 1e9), .fallback = SS_ABSENT),
+    [SS_HYBRID_MAX_ACTIVE] =
+        SS_PARAM(INTEGER, "layer.max_active", "the nearest ones wake where there are more",
+                 SS_FROM(1, 1e6), .fallback = 600)};
 
 /* ---- set-up ---- */
 

@@ -63,36 +63,22 @@ enum {
 };
 
 static const ss_param_row rows[ROW_COUNT] = {
-    [ROW_YOUNGS_MODULUS] = {.name = "youngs_modulus_pa",
-                            .kind = SS_PARAM_FIELD,
-                            .range = {.max = 1e15, .exclusive_min = true},
-                            .is_required = true,
-                            .fallback = (double)NAN,
-                            .help = "E of the tissue; springs have no other Poisson's ratio than "
-                                    "1/4 (surfaces 1/3)"},
-    [ROW_DENSITY] = {.name = "density_kg_m3",
-                     .kind = SS_PARAM_FIELD,
-                     .range = {.max = 1e9, .exclusive_min = true},
-                     .fallback = 1000.0,
-                     .help = "mass per volume"},
-    [ROW_THICKNESS] = {.name = "thickness_m",
-                       .kind = SS_PARAM_FIELD,
-                       .range = {.max = 1e6, .exclusive_min = true},
-                       .fallback = (double)NAN,
-                       .help = "of a surface mesh, where it is required"},
-    [ROW_VISCOSITY] = {.name = "viscosity_psi_pa_s",
-                       .kind = SS_PARAM_FIELD,
-                       .range = {.max = 1e12},
-                       .help = "shear viscosity, as dampers along the springs"},
-    [ROW_MASS_DAMPING] = {.name = "mass_damping_per_s",
-                          .kind = SS_PARAM_NUMBER,
-                          .range = {.max = 1e9},
-                          .help = "damping per mass: it damps all modes, and free flight"},
-    [ROW_INTEGRATOR] = {.name = "integrator",
-                        .kind = SS_PARAM_CHOICE,
-                        .range = {.max = 1.0},
-                        .choices = "symplectic-euler|rk4",
-                        .help = "rk4 costs four times as much and loses energy"},
+    [ROW_YOUNGS_MODULUS] =
+        SS_PARAM(FIELD, "youngs_modulus_pa",
+                 "E of the tissue; springs have no other Poisson's ratio than 1/4 (surfaces 1/3)",
+                 SS_ABOVE(0, 1e15), .is_required = true, .fallback = SS_ABSENT),
+    [ROW_DENSITY] =
+        SS_PARAM(FIELD, "density_kg_m3", "mass per volume", SS_ABOVE(0, 1e9), .fallback = 1000.0),
+    [ROW_THICKNESS] = SS_PARAM(FIELD, "thickness_m", "of a surface mesh, where it is required",
+                               SS_ABOVE(0, 1e6), .fallback = SS_ABSENT),
+    [ROW_VISCOSITY] = SS_PARAM(FIELD, "viscosity_psi_pa_s",
+                               "shear viscosity, as dampers along the springs", SS_FROM(0, 1e12)),
+    [ROW_MASS_DAMPING] =
+        SS_PARAM(NUMBER, "mass_damping_per_s",
+                 "damping per mass: it damps all modes, and free flight", SS_FROM(0, 1e9)),
+    [ROW_INTEGRATOR] =
+        SS_PARAM(CHOICE, "integrator", "rk4 costs four times as much and loses energy",
+                 .range.max = 1.0, .choices = "symplectic-euler|rk4"),
 };
 
 /* E of a network of tetrahedra's edges over that of the same springs moving affinely. */

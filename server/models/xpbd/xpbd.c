@@ -48,17 +48,13 @@ _Static_assert(LAST_LAW == FIRST_LAW + 1, "both laws, and nothing between them")
 
 static const ss_param_row rows[ROW_COUNT] = {
     SS_FEM_SOLID_ROWS("neo-hookean|stable-neo-hookean", LAST_LAW - FIRST_LAW, LAST_LAW - FIRST_LAW),
-    [ROW_MASS_DAMPING] = {.name = "mass_damping_per_s",
-                          .kind = SS_PARAM_NUMBER,
-                          .range = {.max = 1e9},
-                          .help = "damping per mass: it damps all modes, and free flight"},
-    [ROW_SUBSTEP] = {.name = "substep_s",
-                     .kind = SS_PARAM_NUMBER,
-                     .range = {.max = 1.0, .exclusive_min = true},
-                     .fallback = 1e-4,
-                     .help =
-                         "longest sub-step, a sweep each: shorter ones are stiffer, less damped "
-                         "and nearer to the law"}};
+    [ROW_MASS_DAMPING] =
+        SS_PARAM(NUMBER, "mass_damping_per_s",
+                 "damping per mass: it damps all modes, and free flight", SS_FROM(0, 1e9)),
+    [ROW_SUBSTEP] = SS_PARAM(NUMBER, "substep_s",
+                             "longest sub-step, a sweep each: shorter ones are stiffer, less "
+                             "damped and nearer to the law",
+                             SS_ABOVE(0, 1.0), .fallback = 1e-4)};
 
 /* The body asks for this share of a step that it takes for the limit; that is twice the sub-step,
  * so that a contact's stiffness leaves margin. */
