@@ -10,6 +10,12 @@ static const double max_displacement_m = 15e-3;
 static const double max_stiffness_n_per_m = 20000.0; /* no server couples harder */
 static const int64_t max_age_ns = 50000000;
 static const int64_t fade_ns = 20000000;
+static const double touch_n = 0.02;
+static const double free_debt_j = 0.1e-3, full_debt_j = 0.3e-3, forget_s = 0.2;
+static const double most_damping_n_s_per_m = 60.0;
+/* One count of a device's position in 1 ms is 30 mm/s; later than this, slides over ridges still
+ * hand out a millijoule. */
+static const double velocity_cutoff_hz = 100.0;
 
 void ss_corrector_init(ss_corrector *corrector, bool is_enabled)
 {
@@ -75,7 +81,37 @@ static void correct(const softsim_force *force, const double moved[3], double ou
     }
 }
 
-void ss_corrector_force(const ss_corrector *corrector, int64_t now_ns, const double position[3],
+/* What the hand did under the force exerted since the last call, `elapsed_s` ago. */
+static void note_motion(ss_corrector *corrector, double elapsed_s, const double position[3])
+{
+    const double alpha = 1.0 - exp(-2.0 * SS_PI * velocity_cutoff_hz * elapsed_s);
+    double moved[3];
+    ss_sub3(moved, position, corrector->exerted_at);
+    corrector->energy_j -= ss_dot3(corrector->exerted, moved);
+    corrector->energy_j *= corrector->energy_j < 0.0 ? exp(-elapsed_s / forget_s) : 1.0;
+    for (int i = 0; i < 3; ++i) {
+        corrector->velocity[i] += alpha * (moved[i] / elapsed_s - corrector->velocity[i]);
+    }
+}
+
+/* Takes off a force that moves with the hand what its contact has not taken from the hand; for the
+ * coming period of `elapsed_s`. */
+static void damp(ss_corrector *corrector, double elapsed_s, double force[3])
+{
+    const double size = ss_norm3(force);
+    const bool is_touching = size > touch_n;
+    corrector->energy_j = is_touching && !corrector->is_touching ? 0.0 : corrector->energy_j;
+    corrector->is_touching = is_touching;
+    const double speed = is_touching ? ss_dot3(force, corrector->velocity) / size : 0.0;
+    if (speed > 0.0) {
+        const double debt = size * speed * elapsed_s - corrector->energy_j;
+        const double share = (debt - free_debt_j) / (full_debt_j - free_debt_j);
+        const double damping = most_damping_n_s_per_m * fmin(1.0, fmax(0.0, share));
+        ss_scale3(force, force, fmax(0.0, 1.0 - damping * speed / size));
+    }
+}
+
+void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double position[3],
                         double out_force[3])
 {
     ss_set3(out_force, 0.0, 0.0, 0.0);
@@ -88,4 +124,13 @@ void ss_corrector_force(const ss_corrector *corrector, int64_t now_ns, const dou
         correct(&corrector->force, moved, out_force);
     }
     ss_scale3(out_force, out_force, fade(corrector, now_ns));
+    const double elapsed_s = 1e-9 * (double)(now_ns - corrector->exerted_ns);
+    if (corrector->is_enabled && corrector->has_exerted && elapsed_s > 0.0) {
+        note_motion(corrector, elapsed_s, position);
+        damp(corrector, elapsed_s, out_force);
+    }
+    corrector->has_exerted = true;
+    corrector->exerted_ns = now_ns;
+    ss_copy3(corrector->exerted, out_force);
+    ss_copy3(corrector->exerted_at, position);
 }

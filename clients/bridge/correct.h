@@ -2,7 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * The force in effect, corrected for the time it took.
+ * The force in effect, corrected for the time it took, and damped where it drives the hand.
  *
  * A force F answers a pose x_a that is old by the trip there and back. Along the tissue's normal n
  * the felt stiffness S says how it changes with position, so at the present position x
@@ -17,6 +17,17 @@
  * No correction where S = 0, n.F <= 0 without a grasp, |x - x_a| > 15 mm, the pose is older than
  * 50 ms, or any of it makes no sense: there the linear law no longer speaks of the present. (With 5
  * mm a tap of 0.3 m/s was left uncorrected behind a bus of 10 ms, where it hands out most.)
+ *
+ * The line through one answer is not the tissue: it is held off by 20 ms of motion, and what it
+ * gives back on the way out the hand has not paid on the way in (a fast tap over 10 ms: 20 mJ, with
+ * late messages 80). Only here is known at once what the hand was given: E = sum -F . dx of the
+ * contact under way. Where E, and what the next period would hand out, is below -0.1 mJ, the force
+ * on a hand that moves with it, at v along it, is
+ *
+ *   F - alpha v >= 0,   alpha growing to 60 N s/m at -0.3 mJ
+ *
+ * and never more than F: a hand that presses feels what it felt. Debts are forgotten within 0.2 s,
+ * so that tissue which moves of itself, or at another tool, still pushes a hand, slowly.
  *
  * When no force has come for 50 ms (the server is gone) the last one fades to zero in 20 ms.
  * World frame, SI. Thread: the bridge's loop; no allocation after creation.
@@ -34,6 +45,12 @@ typedef struct ss_corrector {
     bool has_force;
     softsim_force force; /* in effect */
     int64_t received_ns;
+    /* state: the contact's energy */
+    bool has_exerted, is_touching;
+    int64_t exerted_ns;
+    double exerted[3], exerted_at[3];
+    double velocity[3]; /* m/s */
+    double energy_j;    /* that it has taken from the hand */
     struct {
         int32_t seq; /* 0: empty */
         int64_t time_ns;
@@ -48,8 +65,8 @@ void ss_corrector_note_pose(ss_corrector *corrector, int32_t seq, int64_t time_n
 /* Puts a force into effect: the newest that came wins. */
 void ss_corrector_take_force(ss_corrector *corrector, const softsim_force *force,
                              int64_t receive_ns);
-/* What to exert at `position` now. Zero before the first force. */
-void ss_corrector_force(const ss_corrector *corrector, int64_t now_ns, const double position[3],
+/* What to exert at `position` from now on. Zero before the first force. */
+void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double position[3],
                         double out_force[3]);
 /* seq of the force in effect, -1 when there is none (yet, or any more). */
 int32_t ss_corrector_force_seq(const ss_corrector *corrector, int64_t now_ns);

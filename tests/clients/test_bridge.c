@@ -225,6 +225,45 @@ static void force_fades_when_the_server_is_gone(void **state)
     assert_int_equal(ss_corrector_force_seq(&c, 1100000000), -1);
 }
 
+/* 2 N against a hand that goes `in_mm` in and `out_mm` out at 0.2 m/s: the energy that it is left
+ * with, and whether it felt the whole force throughout. */
+static double energy_of_a_stroke(int in_mm, int out_mm, bool *out_is_whole)
+{
+    static ss_corrector c;
+    double force[3] = {0.0, 0.0, 0.0}, at[3] = {0.0, 0.0, 0.0}, energy = 0.0;
+    softsim_force given = make_force(1);
+    given.stiffness = 0.0;
+    ss_set3(given.force, 0.0, 0.0, 2.0);
+    ss_corrector_init(&c, true);
+    *out_is_whole = true;
+    const int in_ms = in_mm * 5, out_ms = out_mm * 5;
+    for (int ms = 0; ms <= in_ms + out_ms; ++ms) {
+        const double z = 0.2e-3 * (ms < in_ms ? -ms : ms - 2 * in_ms);
+        energy -= force[2] * (z - at[2]);
+        at[2] = z;
+        ss_corrector_take_force(&c, &given, ms * 1000000LL);
+        ss_corrector_force(&c, ms * 1000000LL, at, force);
+        assert_true(force[0] == 0.0 && force[1] == 0.0 && force[2] >= 0.0 && force[2] <= 2.0);
+        *out_is_whole = *out_is_whole && force[2] == 2.0;
+    }
+    return energy;
+}
+
+/* What a contact has not taken it does not give: 40 mJ else. What it has, it does. */
+static void a_contact_gives_no_more_than_it_took(void **state)
+{
+    (void)state;
+    bool is_whole;
+    assert_near(energy_of_a_stroke(10, 0, &is_whole), 20e-3, 1e-9);
+    assert_true(is_whole);
+    assert_near(energy_of_a_stroke(10, 9, &is_whole), 2e-3, 1e-9);
+    assert_true(is_whole);
+    assert_true(energy_of_a_stroke(10, 30, &is_whole) > -1e-3);
+    assert_false(is_whole);
+    assert_true(energy_of_a_stroke(0, 20, &is_whole) > -1.5e-3);
+    assert_false(is_whole);
+}
+
 /* ---- bus ---- */
 
 static void bus_delays_and_keeps_order(void **state)
@@ -579,6 +618,7 @@ int main(void)
         cmocka_unit_test(correction_is_bounded),
         cmocka_unit_test(correction_of_a_grasp_is_signed_and_goes_all_ways),
         cmocka_unit_test(force_fades_when_the_server_is_gone),
+        cmocka_unit_test(a_contact_gives_no_more_than_it_took),
         cmocka_unit_test(bus_delays_and_keeps_order),
         cmocka_unit_test(bus_loses_its_share_and_is_bounded),
         cmocka_unit_test(device_meets_the_golden_trajectories),

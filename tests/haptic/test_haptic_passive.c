@@ -25,6 +25,7 @@ typedef struct row {
     ss_sim_grip grip;
     double tissue, rate_hz, delay_ms;
     bool corrects;
+    double outlier;
 } row;
 
 static void play(const row *r, ss_hand_outcome *out)
@@ -34,7 +35,7 @@ static void play(const row *r, ss_hand_outcome *out)
                              .grip = r->grip,
                              .script = r->script,
                              .seed = 1,
-                             .bus = {.delay_ms = r->delay_ms},
+                             .bus = {.delay_ms = r->delay_ms, .outlier = r->outlier},
                              .is_correcting = r->corrects,
                              .seconds = 2.0,
                              .rate_hz = r->rate_hz,
@@ -43,25 +44,31 @@ static void play(const row *r, ss_hand_outcome *out)
                              .damping_n_s_per_m = 2.0};
     softsim_error error = {.status = SOFTSIM_OK};
     assert_int_equal(ss_hand_play(&run, out, &error), SOFTSIM_OK);
-    print_message("%s, device %d, grip %d, %g N/m at %g Hz, %g ms%s: net %.2f mJ, chatter %.4f mm, "
-                  "damped %lld, back-offs %lld, limit %.0f N/m\n",
-                  script[r->script], r->body, r->grip, r->tissue, r->rate_hz, r->delay_ms,
-                  r->corrects ? " corrected" : "", 1e3 * out->net_j,
-                  1e3 * out->felt.chatter_m.value, (long long)out->damped_ticks,
-                  (long long)out->backoffs, out->least_limit_n_per_m);
+    print_message(
+        "%s, device %d, grip %d, %g N/m at %g Hz, %g ms%s%s: net %.2f mJ, chatter %.4f mm, "
+        "damped %lld, back-offs %lld, limit %.0f N/m\n",
+        script[r->script], r->body, r->grip, r->tissue, r->rate_hz, r->delay_ms,
+        r->corrects ? " corrected" : "", r->outlier > 0.0 ? " outliers" : "", 1e3 * out->net_j,
+        1e3 * out->felt.chatter_m.value, (long long)out->damped_ticks, (long long)out->backoffs,
+        out->least_limit_n_per_m);
 }
 
 static void a_late_bus_hands_out_little(void **state)
 {
     (void)state;
     static const row rows[] = {
-        {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, false},
-        {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 300, 1000, 5, false},
-        {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, true},
-        {SS_SCRIPT_TAP, SS_BODY_LIGHT, SS_GRIP_FIRM, 150, 60, 0, false},
-        {SS_SCRIPT_TAP, SS_BODY_MEDIUM, SS_GRIP_SOFT, 300, 1000, 5, false},
-        {SS_SCRIPT_TAP, SS_BODY_MEDIUM, SS_GRIP_SOFT, 150, 60, 10, false},
-        {SS_SCRIPT_PRESS, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, true},
+        {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, false, 0},
+        {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 300, 1000, 5, false, 0},
+        {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, true, 0},
+        {SS_SCRIPT_TAP, SS_BODY_LIGHT, SS_GRIP_FIRM, 150, 60, 0, false, 0},
+        {SS_SCRIPT_TAP, SS_BODY_MEDIUM, SS_GRIP_SOFT, 300, 1000, 5, false, 0},
+        {SS_SCRIPT_TAP, SS_BODY_MEDIUM, SS_GRIP_SOFT, 150, 60, 10, false, 0},
+        {SS_SCRIPT_PRESS, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, true, 0},
+        {SS_SCRIPT_TAP, SS_BODY_MEDIUM, SS_GRIP_SOFT, 150, 60, 10, true, 0},
+        {SS_SCRIPT_TAP, SS_BODY_HEAVY, SS_GRIP_FIRM, 300, 60, 5, true, 0},
+        {SS_SCRIPT_TAP, SS_BODY_LIGHT, SS_GRIP_SOFT, 150, 1000, 10, true, 0.05},
+        {SS_SCRIPT_SLIDE, SS_BODY_MEDIUM, SS_GRIP_SOFT, 3000, 1000, 10, true, 0},
+        {SS_SCRIPT_SLIDE, SS_BODY_MEDIUM, SS_GRIP_SOFT, 3000, 1000, 10, true, 0.05},
     };
     for (size_t k = 0; k < FULL_IN_RELEASE(sizeof rows / sizeof *rows, 2); ++k) {
         ss_hand_outcome out;
@@ -85,7 +92,8 @@ static void good_contacts_are_left_alone(void **state)
                        tissue[n / 18 % 3],
                        1000.0,
                        n / 54,
-                       n / 54 == 1};
+                       n / 54 == 1,
+                       0.0};
         ss_hand_outcome out;
         play(&r, &out);
         assert_true(out.damped_ticks == 0 && out.backoffs == 0);
