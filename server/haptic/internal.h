@@ -86,6 +86,7 @@ typedef struct ss_local_contact_grasp {
     double stiffness[3][3], viscosity[3][3];
     double tangent[3][3]; /* N/m, the model's: `stiffness` errs high */
     double offset[3];     /* N, o */
+    double drift[3];      /* N, the offset's mean of some ms */
     double last_force[3]; /* N, F(p) of the last tick */
 } ss_local_contact_grasp;
 

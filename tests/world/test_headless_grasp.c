@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* Tissue that is grasped, drawn aside and held still comes to rest, below the force limit and at
+ * it: the pair of proxy and tissue does not swing. */
+#include "common/test.h"
+
+#include "common/effort.h"
+#include "press_fixture.h"
+#include "rt/vec.h"
+
+enum { PRESSED = 150, GRASPED = 200, DRAWN = 800, TICKS = 1500, LAST = 300 };
+
+/* Where it is pressed 4 mm deep, from `outside` 9 mm off, and where the tool is drawn to, m. */
+static const struct {
+    double outside[3], pressed[3], drawn[3];
+} places[] = {
+    {{0.0343, -0.0208, -0.0322}, {0.0322, -0.0189, -0.0293}, {0.0272, -0.0111, -0.0258}},
+    {{0.0076, -0.0418, 0.0220}, {0.0072, -0.0383, 0.0201}, {-0.0019, -0.0393, 0.0161}},
+};
+enum { PLACES = sizeof places / sizeof *places };
+
+static void path(int place, int n, double out[3])
+{
+    const double in = smooth((double)n / PRESSED);
+    const double aside = smooth((double)(n - GRASPED) / (DRAWN - GRASPED));
+    for (int a = 0; a < 3; ++a) {
+        const double pressed = places[place].pressed[a], outside = places[place].outside[a];
+        out[a] = outside + in * (pressed - outside) + aside * (places[place].drawn[a] - pressed);
+    }
+}
+
+static double change(const double now[3], double last[3])
+{
+    double d[3];
+    ss_sub3(d, now, last);
+    ss_copy3(last, now);
+    return ss_norm3(d);
+}
+
+static bool is_still(int place, double limit)
+{
+    static const body b = {.name = "ed0", .scene = "ed0-tissue.yaml"};
+    softsim_world *world = make_world(&b, limit);
+    softsim_force force = {.seq = -1};
+    double felt[3] = {0.0, 0.0, 0.0}, reaction[3] = {0.0, 0.0, 0.0};
+    double step = 0.0, reaction_step = 0.0;
+    for (int n = 0; n < TICKS; ++n) {
+        double x[3];
+        path(place, n, x);
+        softsim_pose pose = pose_of(n + 1, x);
+        pose.force_seq = force.seq;
+        pose.buttons = n >= GRASPED ? SOFTSIM_BUTTON_GRASP : 0;
+        force = feel(world, &pose);
+        const double by = change(force.force, felt), from = change(force.model_force, reaction);
+        step = n >= TICKS - LAST ? fmax(step, by) : 0.0;
+        reaction_step = n >= TICKS - LAST ? fmax(reaction_step, from) : 0.0;
+    }
+    softsim_destroy(&world);
+    const double size = ss_norm3(felt);
+    const bool is_good = step <= 0.01 * size && reaction_step <= 0.02 * size && size > 0.5;
+    print_message("place %d, limit %g N: %.3f N, then %.4f N a tick, of the reaction %.4f%s\n",
+                  place, limit, size, step, reaction_step, is_good ? "" : ": BAD");
+    return is_good;
+}
+
+TEST(a_grasp_held_still_is_still)
+{
+    static const double limits[] = {8.0, 2.0, 1.0};
+    bool is_good = true;
+    for (int k = 0; k < PLACES * FULL_IN_RELEASE(3, 1); ++k) {
+        is_good = is_still(k % PLACES, limits[k / PLACES]) && is_good;
+    }
+    assert_true(is_good);
+}
+
+int main(void)
+{
+    return run_all_tests(make_folder, remove_folder);
+}
