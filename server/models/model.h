@@ -113,8 +113,11 @@ typedef struct ss_model_class {
     /* Estimated cost of one step in microseconds on the reference core, from counts alone; with a
      * plan->step of 0, which is not chosen yet, of a short one. */
     double (*step_cost_us)(const ss_model_plan *plan);
-    softsim_status (*create)(const ss_model_plan *plan, ss_model **out, softsim_error *error);
-    void (*destroy)(ss_model *model); /* not NULL */
+    size_t size; /* bytes of the struct ss_model */
+    /* Fills a zeroed model from `plan`; neither `plan` nor `error` is NULL. What it leaves behind
+     * when it fails is for `destroy`. Thread: set-up only. */
+    softsim_status (*build)(ss_model *model, const ss_model_plan *plan, softsim_error *error);
+    void (*destroy)(ss_model *model); /* not NULL; frees it, too */
     /* One outer step of `dt` seconds from time `time` (sub-stepped inside). Where the sub-steps
      * that are allowed simulate only a share of dt, tools travel that share of their way and stand
      * there (ss_model_reached): the next step sweeps on from that place. RT-safe. */
@@ -139,6 +142,16 @@ typedef struct ss_model_class {
     /* Sets row `index` while running (rows with is_live); NULL without any. RT-safe. */
     void (*set)(ss_model *model, int32_t index, double value);
 } ss_model_class;
+
+/* In a class: its table of parameters; its struct, and what makes and ends one. */
+#define SS_MODEL_ROWS(table) .row = (table), .row_count = (int32_t)(sizeof(table) / sizeof *(table))
+#define SS_MODEL_LIFE(type, build_it, destroy_it)                                                  \
+    .size = sizeof(type), .build = (build_it), .destroy = (destroy_it)
+
+/* A model of that class in *out_model; NULL after a failure. `error` may be NULL. Thread: set-up
+ * only. */
+softsim_status ss_model_create(const ss_model_class *model_class, const ss_model_plan *plan,
+                               ss_model **out_model, softsim_error *error);
 
 /* Where a tool stands after a step that went `travelled` of the way. RT-safe. */
 void ss_model_reached(const ss_model_tool *tool, double travelled, ss_tool_pose *out);

@@ -139,7 +139,7 @@ static softsim_status build_model(ss_world *world, double step_s, softsim_error 
     softsim_error fault = {.status = SOFTSIM_OK};
     ss_progress_part("setting up %s on %d nodes", world->model_class->name,
                      scene->mesh->node_count);
-    const softsim_status status = world->model_class->create(&plan, &world->model, &fault);
+    const softsim_status status = ss_model_create(world->model_class, &plan, &world->model, &fault);
     pass_on(scene->path, &fault, error);
     return status;
 }

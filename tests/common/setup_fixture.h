@@ -99,7 +99,7 @@ static inline void add_sphere(setup *s, int probe, double radius)
 
 static inline softsim_status setup_create(setup *s)
 {
-    return s->class->create(&s->plan, &s->model, &s->error);
+    return ss_model_create(s->class, &s->plan, &s->model, &s->error);
 }
 
 static inline void create(setup *s)

@@ -8,7 +8,6 @@
  *
  * with A_i a third of the triangles around it. How a model is added: server/models/README.md.
  */
-#include "models/common/model_create.h"
 #include "models/common/plan.h"
 #include "rt/memory.h"
 
@@ -99,11 +98,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     return status;
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out, softsim_error *error)
-{
-    return ss_model_make(sizeof(ss_model), build, destroy, plan, out, error);
-}
-
 static double step_cost_us(const ss_model_plan *plan)
 {
     return 2.0 + 0.02 * plan->mesh->node_count;
@@ -127,17 +121,11 @@ const ss_model_class ss_model_elastic_foundation = {
     .name = "elastic-foundation",
     .help = "a spring under every node: the pressure under a tool, no dent around it",
     .hints = &hints,
-    .row = rows,
-    .row_count = ROW_COUNT,
+    SS_MODEL_ROWS(rows),
     .step_cost_us = step_cost_us,
-    .create = create,
-    .destroy = destroy,
+    SS_MODEL_LIFE(ss_model, build, destroy),
     .step = ss_body_model_step,
-    .contacts = ss_body_model_contacts,
-    .reset = ss_body_model_reset,
+    SS_BODY_CLASS,
     .info = ss_body_model_info,
-    .displacement = ss_body_model_displacement,
-    .velocity = ss_body_model_velocity,
-    .reaction = ss_body_model_reaction,
-    .hash = ss_body_model_hash,
+    SS_BODY_MOTION,
     .explain = explain};

@@ -391,7 +391,7 @@ TEST(all_faults_are_named_in_one_go)
     assert_true(s.error.fault_count >= 3);
     /* And without anyone to tell. */
     ss_model *model = NULL;
-    assert_true(s.class->create(&s.plan, &model, NULL) != SOFTSIM_OK);
+    assert_true(ss_model_create(s.class, &s.plan, &model, NULL) != SOFTSIM_OK);
     assert_null(model);
     setup_fini(&s);
 }

@@ -72,7 +72,7 @@ static void measure(const ss_model_class *class, const ss_mesh *mesh, const uint
     const int64_t before = ss_memory_in_use();
     ss_model *model = NULL;
     softsim_error error = {0};
-    if (class->create(&plan, &model, &error) != SOFTSIM_OK) {
+    if (ss_model_create(class, &plan, &model, &error) != SOFTSIM_OK) {
         (void)snprintf(out->reason, sizeof out->reason, "%.*s", (int)strcspn(error.text, "\n"),
                        error.text);
         return;

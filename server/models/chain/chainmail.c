@@ -27,7 +27,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/common/model_create.h"
 #include "models/common/plan.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -426,11 +425,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     return status;
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
-{
-    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
-}
-
 /* Microseconds of a link that is tested, in propagation and in a pass of relaxation, and of a tool;
  * liver of 5762 nodes, reference core. A step is planned to reach a fifth of the links. */
 #define COST_LINK  0.01
@@ -539,11 +533,9 @@ const ss_model_class ss_model_chainmail = {
     .name = "chainmail",
     .help = "the traditional ChainMail: chain elements move only where links leave their band",
     .hints = &hints,
-    .row = rows,
-    .row_count = SS_MAIL_ROW_COUNT,
+    SS_MODEL_ROWS(rows),
     .step_cost_us = step_cost_us,
-    .create = create,
-    .destroy = destroy,
+    SS_MODEL_LIFE(ss_model, build, destroy),
     .step = step,
     .contacts = ss_mail_contacts,
     .reset = reset,

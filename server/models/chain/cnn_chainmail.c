@@ -32,7 +32,6 @@
 #include <string.h>
 
 #include "models/common/dispatch.h"
-#include "models/common/model_create.h"
 #include "models/common/plan.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -207,11 +206,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     return status;
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
-{
-    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
-}
-
 static void info(const ss_model *model, ss_model_info *out)
 {
     *out = (ss_model_info){.step = model->step,
@@ -309,11 +303,9 @@ const ss_model_class ss_model_cnn_chainmail = {
     .name = "cnn-chainmail",
     .help = "a cellular neural network on the links of a chain mail, on surfaces and volumes",
     .hints = &hints,
-    .row = ss_chain_rows,
-    .row_count = SS_CHAIN_ROW_COUNT,
+    SS_MODEL_ROWS(ss_chain_rows),
     .step_cost_us = ss_chain_step_cost_us,
-    .create = create,
-    .destroy = destroy,
+    SS_MODEL_LIFE(ss_model, build, destroy),
     .step = ss_chain_step,
     .contacts = ss_chain_contacts,
     .reset = reset,

@@ -53,7 +53,6 @@
 #include <string.h>
 
 #include "models/common/dispatch.h"
-#include "models/common/model_create.h"
 #include "models/common/plan.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -362,11 +361,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     return status;
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
-{
-    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
-}
-
 /* The node that limits the step, where the step is the trouble; else -1. */
 static int32_t limiting_node(const ss_model *model)
 {
@@ -480,11 +474,9 @@ const ss_model_class ss_model_cnn_energy = {
     .name = "cnn-energy",
     .help = "a surface or volume in which a cellular neural network spreads the energy of contact",
     .hints = &ss_cnn_hints,
-    .row = ss_cnn_rows_table,
-    .row_count = SS_CNN_ROW_COUNT,
+    SS_MODEL_ROWS(ss_cnn_rows_table),
     .step_cost_us = ss_cnn_step_cost_us,
-    .create = create,
-    .destroy = destroy,
+    SS_MODEL_LIFE(ss_model, build, destroy),
     .step = ss_cnn_step,
     .contacts = ss_cnn_contacts,
     .reset = reset,

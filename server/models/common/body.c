@@ -248,6 +248,7 @@ softsim_status ss_body_create(const ss_body_plan *plan, ss_body **out_body, soft
         body->is_explicit = plan->elastic.advance == NULL;
         body->worst_element = -1;
         body->active_nodes = plan->plan->mesh->node_count;
+        ss_inverted_init(&body->inverted, plan->plan->mesh, plan->plan->step);
         status = build(body, error ? error : own);
         body->own.plan = &body->plan;
         body->own.mass = NULL;
@@ -308,9 +309,9 @@ void ss_body_judge(ss_body *body, softsim_verdict verdict, uint32_t fault_bits, 
     }
 }
 
-void ss_body_judge_inverted(ss_body *body, ss_inverted *inverted, bool names_node)
+void ss_body_judge_inverted(ss_body *body, bool names_node)
 {
-    const int32_t t = ss_inverted_look(inverted, body->nodes.u);
+    const int32_t t = ss_inverted_look(&body->inverted, body->nodes.u);
     if (t >= 0) {
         ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0, SS_INVERTED_REASON);
         body->worst_element = names_node ? body->plan.mesh->tetrahedron[t][0] : t;
@@ -373,6 +374,7 @@ uint64_t ss_body_hash(const ss_body *body, uint64_t seed)
             hash = ss_grasp_hash(&tool->grasp, hash);
         }
     }
+    hash = ss_inverted_hash(&body->inverted, hash);
     return body->own.elastic.hash ? body->own.elastic.hash(body->own.elastic.owner, hash) : hash;
 }
 
@@ -383,6 +385,7 @@ void ss_body_reset(ss_body *body)
         memset(cleared[k], 0, ss_body_bytes(body));
     }
     ss_body_tools_reset(body);
+    ss_inverted_reset(&body->inverted);
     if (body->own.elastic.reset) {
         body->own.elastic.reset(body->own.elastic.owner);
     }

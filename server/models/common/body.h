@@ -8,7 +8,7 @@
  *
  * In: the scene's plan, masses, and the elastic law as a few functions. Out: everything that
  * ss_model_class asks for. A model keeps an ss_body as the first member of its struct, fills
- * ss_body_elastic, and names ss_body_model_step, ... in its class where it has nothing to add.
+ * ss_body_elastic, and has SS_BODY_CLASS in its class; step, info where it has nothing to add.
  * Explicit models name an integrator; implicit and position-based ones give `advance` and call the
  * pieces (ss_body_external, ss_body_contact_diagonal) themselves. body_step.c derives the energy
  * balance, body_felt.c the stiffness that a tool feels.
@@ -163,6 +163,13 @@ const ss_real *ss_body_model_velocity(const ss_model *model);
 void ss_body_model_reaction(const ss_model *model, int32_t set, double out_force[3]);
 uint64_t ss_body_model_hash(const ss_model *model, uint64_t seed);
 
+/* In such a class: what no model adds to, and where the mesh's nodes are the body's own. */
+#define SS_BODY_CLASS                                                                              \
+    .contacts = ss_body_model_contacts, .reset = ss_body_model_reset,                              \
+    .reaction = ss_body_model_reaction, .hash = ss_body_model_hash
+#define SS_BODY_MOTION                                                                             \
+    .displacement = ss_body_model_displacement, .velocity = ss_body_model_velocity
+
 /* ---- the same of the body, for models that add to it ---- */
 
 void ss_body_step(ss_body *body, double time, double dt,
@@ -185,7 +192,7 @@ void ss_body_set_worst_element(ss_body *body, int32_t element);
 void ss_body_set_active_nodes(ss_body *body, int32_t count);
 /* Looks at a share of the tetrahedra, and says so while one is turned inside out: by its number, or
  * by a node of it. */
-void ss_body_judge_inverted(ss_body *body, ss_inverted *inverted, bool names_node);
+void ss_body_judge_inverted(ss_body *body, bool names_node);
 /* The elastic law changed (`set`): what that adds to the stored energy is booked as work. */
 void ss_body_renew(ss_body *body);
 

@@ -54,6 +54,7 @@ struct ss_body {
     ss_tools tools;
     ss_body_touch felt[SOFTSIM_MAX_PROBES];
     ss_loads loads;
+    ss_inverted inverted;
     ss_prescribed_set *prescribed;
     ss_real *load_force, *old_load; /* N; loads and gravity, and those of the step before */
     /* state beside nodes.u and nodes.v */

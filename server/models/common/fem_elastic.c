@@ -104,3 +104,25 @@ void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material, const ss
                  ss_fem_rest_step(fem), ss_fem_step_limit(fem, s->rest_bound),
                  s->rest_rate2 >= s->rest_bound ? " (is taken)" : "");
 }
+
+ss_body_plan ss_fem_plan_body(ss_fem *fem, const ss_model_plan *plan,
+                              const ss_fem_material *material, const double *mass)
+{
+    return (ss_body_plan){.name = "fem",
+                          .plan = plan,
+                          .node_count = plan->mesh->node_count,
+                          .mass = mass,
+                          .mass_damping = material->mass_damping,
+                          .edge = ss_body_mean_edge(plan->mesh),
+                          .planned_step = SS_FEM_STEP_SHARE * ss_fem_rest_step(fem),
+                          .step_share = SS_FEM_STEP_SHARE,
+                          .integrator = material->integrator,
+                          .elastic = {.owner = fem,
+                                      .force = ss_fem_force,
+                                      .tangent = ss_fem_tangent,
+                                      .diagonal = ss_fem_diagonal,
+                                      .viscous_time = material->viscous_time,
+                                      .stable_step = ss_fem_stable_step,
+                                      .reset = ss_fem_reset,
+                                      .hash = ss_fem_hash}};
+}

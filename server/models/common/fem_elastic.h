@@ -153,6 +153,11 @@ typedef struct ss_fem_setup {
 softsim_status ss_fem_create(const ss_fem_setup *setup, ss_fem **out_fem);
 void ss_fem_destroy(ss_fem **fem);
 
+/* The plan of a body whose law is the whole of `fem`; `mass` as in ss_body_plan. Thread: set-up
+ * only. */
+ss_body_plan ss_fem_plan_body(ss_fem *fem, const ss_model_plan *plan,
+                              const ss_fem_material *material, const double *mass);
+
 /* What ss_body_elastic asks for; `owner` is the ss_fem. */
 void ss_fem_force(void *owner, const ss_real *u, const ss_real *v, ss_real *force,
                   ss_body_energy *out);

@@ -16,7 +16,6 @@
 
 #include "mesh/tetrahedron.h"
 #include "models/common/dispatch.h"
-#include "models/common/model_create.h"
 #include "models/common/plan.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -199,11 +198,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     return status;
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
-{
-    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
-}
-
 /* ---- the class ---- */
 
 static double step_cost_us(const ss_model_plan *plan)
@@ -267,18 +261,12 @@ const ss_model_class ss_model_corotational = {
     .name = "corotational",
     .help = "linear tetrahedra that turn with the body, stepped implicitly: for stiff scenes",
     .hints = &hints,
-    .row = ss_corot_rows,
-    .row_count = SS_COROT_ROW_COUNT,
+    SS_MODEL_ROWS(ss_corot_rows),
     .step_cost_us = step_cost_us,
-    .create = create,
-    .destroy = destroy,
+    SS_MODEL_LIFE(ss_model, build, destroy),
     .step = step,
-    .contacts = ss_body_model_contacts,
-    .reset = ss_body_model_reset,
+    SS_BODY_CLASS,
     .info = ss_body_model_info,
-    .displacement = ss_body_model_displacement,
-    .velocity = ss_body_model_velocity,
-    .reaction = ss_body_model_reaction,
-    .hash = ss_body_model_hash,
+    SS_BODY_MOTION,
     .explain = explain,
     .needs_volume = true};

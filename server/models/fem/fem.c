@@ -16,8 +16,6 @@
 #include <math.h>
 
 #include "mesh/tetrahedron.h"
-#include "models/common/inverted.h"
-#include "models/common/model_create.h"
 #include "rt/memory.h"
 
 struct ss_model {
@@ -25,7 +23,6 @@ struct ss_model {
     ss_arena arena;
     ss_fem *fem;
     ss_fem_material material;
-    ss_inverted inverted; /* for the linear law, which does not know */
 };
 
 static const ss_param_row rows[SS_FEM_ROW_COUNT] = {SS_FEM_ROWS};
@@ -96,7 +93,6 @@ static softsim_status build_on(ss_model *model, const ss_model_plan *plan, doubl
     if (status != SOFTSIM_OK) {
         return status;
     }
-    ss_inverted_init(&model->inverted, plan->mesh, plan->step);
     ss_body_volume_masses(plan->mesh, model->material.density, true, mass);
     const ss_fem_setup setup = {.mesh = plan->mesh,
                                 .material = &model->material,
@@ -107,23 +103,7 @@ static softsim_status build_on(ss_model *model, const ss_model_plan *plan, doubl
     if (status != SOFTSIM_OK) {
         return status;
     }
-    const ss_body_plan body = {.name = "fem",
-                               .plan = plan,
-                               .node_count = plan->mesh->node_count,
-                               .mass = mass,
-                               .mass_damping = model->material.mass_damping,
-                               .edge = ss_body_mean_edge(plan->mesh),
-                               .planned_step = SS_FEM_STEP_SHARE * ss_fem_rest_step(model->fem),
-                               .step_share = SS_FEM_STEP_SHARE,
-                               .integrator = model->material.integrator,
-                               .elastic = {.owner = model->fem,
-                                           .force = ss_fem_force,
-                                           .tangent = ss_fem_tangent,
-                                           .diagonal = ss_fem_diagonal,
-                                           .viscous_time = model->material.viscous_time,
-                                           .stable_step = ss_fem_stable_step,
-                                           .reset = ss_fem_reset,
-                                           .hash = ss_fem_hash}};
+    const ss_body_plan body = ss_fem_plan_body(model->fem, plan, &model->material, mass);
     status = ss_body_create(&body, &model->body, error);
     if (status == SOFTSIM_OK) {
         model->fem->u = ss_body_read_nodes(model->body)->u;
@@ -140,11 +120,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     return status;
 }
 
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
-{
-    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
-}
-
 /* ---- the class ---- */
 
 static void step(ss_model *model, double time, double dt,
@@ -152,20 +127,9 @@ static void step(ss_model *model, double time, double dt,
 {
     ss_body_step(model->body, time, dt, tool);
     ss_fem_judge(model->fem, model->body);
-    if (model->material.kind == SS_TISSUE_LINEAR) {
-        ss_body_judge_inverted(model->body, &model->inverted, false);
+    if (model->material.kind == SS_TISSUE_LINEAR) { /* which does not know */
+        ss_body_judge_inverted(model->body, false);
     }
-}
-
-static void reset(ss_model *model)
-{
-    ss_inverted_reset(&model->inverted);
-    ss_body_model_reset(model);
-}
-
-static uint64_t hash_state(const ss_model *model, uint64_t seed)
-{
-    return ss_inverted_hash(&model->inverted, ss_body_model_hash(model, seed));
 }
 
 static void explain(const ss_model *model, const ss_notes *out)
@@ -206,18 +170,12 @@ const ss_model_class ss_model_fem = {
     .name = "fem",
     .help = "a volume of tetrahedra with Green strain and viscous stress, explicit in time",
     .hints = &hints,
-    .row = rows,
-    .row_count = SS_FEM_ROW_COUNT,
+    SS_MODEL_ROWS(rows),
     .step_cost_us = step_cost_us,
-    .create = create,
-    .destroy = destroy,
+    SS_MODEL_LIFE(ss_model, build, destroy),
     .step = step,
-    .contacts = ss_body_model_contacts,
-    .reset = reset,
+    SS_BODY_CLASS,
     .info = ss_body_model_info,
-    .displacement = ss_body_model_displacement,
-    .velocity = ss_body_model_velocity,
-    .reaction = ss_body_model_reaction,
-    .hash = hash_state,
+    SS_BODY_MOTION,
     .explain = explain,
     .needs_volume = true};

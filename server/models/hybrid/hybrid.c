@@ -19,7 +19,6 @@
 #include <string.h>
 
 #include "mesh/tetrahedron.h"
-#include "models/common/model_create.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -426,13 +425,11 @@ static void reset_owner(void *owner)
     ss_hybrid *hybrid = owner;
     ss_hybrid_reset_layer(hybrid);
     ss_hybrid_forget(hybrid);
-    ss_inverted_reset(&hybrid->inverted);
 }
 
 static uint64_t hash_layer(const void *owner, uint64_t seed)
 {
     const ss_hybrid *hybrid = owner;
-    seed = ss_inverted_hash(&hybrid->inverted, seed);
     for (int32_t k = 0; k < hybrid->point_count; ++k) {
         const int32_t p = hybrid->point[k];
         const ss_hybrid_particle *particle = &hybrid->particle[p];
@@ -563,7 +560,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
 {
     ss_hybrid *hybrid = (ss_hybrid *)model;
     hybrid->mesh = plan->mesh;
-    ss_inverted_init(&hybrid->inverted, plan->mesh, plan->step);
     hybrid->law = ss_fem_kernels_get();
     hybrid->kernels = ss_layer_kernels_get();
     const softsim_status status = build_on(hybrid, plan, error);
@@ -575,11 +571,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
         }
     }
     return status;
-}
-
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
-{
-    return ss_model_make(sizeof(ss_hybrid), build, destroy, plan, out_model, error);
 }
 
 /* ---- the class ---- */
@@ -601,7 +592,7 @@ static void step(ss_model *model, double time, double dt,
         }
     }
     ss_body_step(hybrid->body, time, dt, tool);
-    ss_body_judge_inverted(hybrid->body, &hybrid->inverted, false);
+    ss_body_judge_inverted(hybrid->body, false);
 }
 
 static const ss_real *displacement(const ss_model *model)
@@ -671,19 +662,14 @@ const ss_model_class ss_model_hybrid = {
     .name = "hybrid",
     .help = "a core of tetrahedra under a layer of particles that wake where a tool is",
     .hints = &hints,
-    .row = rows,
-    .row_count = SS_HYBRID_ROW_COUNT,
+    SS_MODEL_ROWS(rows),
     .step_cost_us = ss_hybrid_step_cost_us,
-    .create = create,
-    .destroy = destroy,
+    SS_MODEL_LIFE(ss_hybrid, build, destroy),
     .step = step,
-    .contacts = ss_body_model_contacts,
-    .reset = ss_body_model_reset,
+    SS_BODY_CLASS,
     .info = ss_body_model_info,
     .displacement = displacement,
     .velocity = velocity,
-    .reaction = ss_body_model_reaction,
-    .hash = ss_body_model_hash,
     .explain = ss_hybrid_explain,
     .needs_volume = true,
     .layer = &layer_class};

@@ -14,7 +14,6 @@
  */
 #include "models/common/body.h"
 #include "models/common/fem_elastic.h"
-#include "models/common/inverted.h"
 #include "models/hybrid/layer_kernels.h"
 #include "models/hybrid/point_grid.h"
 #include "models/layer.h"
@@ -84,8 +83,6 @@ typedef struct ss_hybrid {
     double *cell_asleep;       /* and while all sleeps */
     double *mass_asleep;       /* kg, by node of the body: while all sleeps */
     double *cell_lambda, *cell_mu, *cell_phi, *cell_psi; /* Pa, Pa s */
-
-    ss_inverted inverted; /* of the core */
 
     /* particles */
     ss_hybrid_particle *particle;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/body.h"
-#include "models/common/model_create.h"
 #include "models/common/plan.h"
 /*
  * mass-spring: the edges of a mesh as springs and dampers between point masses.
@@ -111,7 +110,6 @@ struct ss_model {
     double *block;    /* A_i: xx yy zz xy yz zx, a node */
     int32_t age;      /* calls of stable_step since the last look */
     double seen_step; /* s, then */
-    ss_inverted inverted;
     double stiffness_min, stiffness_max;
 };
 
@@ -274,15 +272,13 @@ static void reset_state(void *owner)
 {
     ss_model *model = owner;
     model->age = 0;
-    ss_inverted_reset(&model->inverted);
 }
 
 static uint64_t hash_state(const void *owner, uint64_t seed)
 {
     const ss_model *model = owner;
     const uint64_t hash = ss_hash_bytes(seed, &model->age, sizeof model->age);
-    return ss_inverted_hash(&model->inverted,
-                            ss_hash_bytes(hash, &model->seen_step, sizeof model->seen_step));
+    return ss_hash_bytes(hash, &model->seen_step, sizeof model->seen_step);
 }
 
 /* ---- set-up ---- */
@@ -480,7 +476,6 @@ static void destroy(ss_model *model)
 static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
 {
     model->is_volume = plan->mesh->tetrahedron_count > 0;
-    ss_inverted_init(&model->inverted, plan->mesh, plan->step);
     model->damping = plan->param[ROW_MASS_DAMPING].number;
     model->integrator =
         plan->param[ROW_INTEGRATOR].number != 0.0 ? SS_BODY_RK4 : SS_BODY_SYMPLECTIC_EULER;
@@ -490,11 +485,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     softsim_status status = checked == SOFTSIM_OK ? create_edges(model, plan) : checked;
     status = status == SOFTSIM_OK ? create_body(model, plan, error) : status;
     return status == SOFTSIM_OK ? ss_body_start(model->body) : status;
-}
-
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
-{
-    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
 }
 
 /* ---- the class ---- */
@@ -514,7 +504,7 @@ static void step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
     ss_body_step(model->body, time, dt, tool);
-    ss_body_judge_inverted(model->body, &model->inverted, true); /* a model of nodes */
+    ss_body_judge_inverted(model->body, true); /* a model of nodes */
 }
 
 static void explain(const ss_model *model, const ss_notes *out)
@@ -547,17 +537,11 @@ const ss_model_class ss_model_mass_spring = {
     .name = "mass-spring",
     .help = "the edges of a volume or surface mesh as springs between point masses",
     .hints = &hints,
-    .row = rows,
-    .row_count = ROW_COUNT,
+    SS_MODEL_ROWS(rows),
     .step_cost_us = step_cost_us,
-    .create = create,
-    .destroy = destroy,
+    SS_MODEL_LIFE(ss_model, build, destroy),
     .step = step,
-    .contacts = ss_body_model_contacts,
-    .reset = ss_body_model_reset,
+    SS_BODY_CLASS,
     .info = ss_body_model_info,
-    .displacement = ss_body_model_displacement,
-    .velocity = ss_body_model_velocity,
-    .reaction = ss_body_model_reaction,
-    .hash = ss_body_model_hash,
+    SS_BODY_MOTION,
     .explain = explain};

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/common/fem_elastic.h"
-#include "models/common/inverted.h"
-#include "models/common/model_create.h"
 #include "models/xpbd/kernels.h"
 /*
  * xpbd: extended position-based dynamics of neo-Hookean tetrahedra in small steps.
@@ -80,7 +78,6 @@ struct ss_model {
     double substep; /* s, as planned */
     double least;   /* J of the most squeezed element in the step */
     double longest; /* s, of the sub-steps in the step */
-    ss_inverted inverted;
 };
 
 /* ---- steps ---- */
@@ -136,13 +133,7 @@ static void reset_state(void *owner)
 {
     ss_model *model = owner;
     model->least = 1.0;
-    ss_inverted_reset(&model->inverted);
     ss_fem_reset(model->fem);
-}
-
-static uint64_t hash_state(const void *owner, uint64_t seed)
-{
-    return ss_inverted_hash(&((const ss_model *)owner)->inverted, seed);
 }
 
 static void step(ss_model *model, double time, double dt,
@@ -155,7 +146,7 @@ static void step(ss_model *model, double time, double dt,
         ss_body_judge(model->body, SOFTSIM_VERDICT_GUARDED, 0,
                       "an element was inside out and is being turned back");
     }
-    ss_body_judge_inverted(model->body, &model->inverted, false);
+    ss_body_judge_inverted(model->body, false);
     if (model->longest > ss_fem_rest_step(model->fem)) {
         ss_body_judge(model->body, SOFTSIM_VERDICT_GUARDED, 0,
                       "softer than its law: shorter sub-steps would be nearer");
@@ -212,8 +203,7 @@ static softsim_status create_body(ss_model *model, const ss_model_plan *plan, so
                                            .diagonal = diagonal,
                                            .stable_step = stable_step,
                                            .advance = advance,
-                                           .reset = reset_state,
-                                           .hash = hash_state}};
+                                           .reset = reset_state}};
     if (status == SOFTSIM_OK) {
         status = ss_body_create(&body, &model->body, error);
     }
@@ -229,7 +219,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
         return status;
     }
     model->kernels = ss_xpbd_kernels_get();
-    ss_inverted_init(&model->inverted, mesh, plan->step);
     /* Stable at any length: the budget makes them longer, not the body slower. */
     model->substep = fmax(plan->param[ROW_SUBSTEP].number, plan->step / plan->max_substeps);
     status = create_body(model, plan, error);
@@ -245,11 +234,6 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
         return SOFTSIM_ERROR_MEMORY;
     }
     return ss_body_start(model->body);
-}
-
-static softsim_status create(const ss_model_plan *plan, ss_model **out_model, softsim_error *error)
-{
-    return ss_model_make(sizeof(ss_model), build, destroy, plan, out_model, error);
 }
 
 /* ---- the class ---- */
@@ -313,18 +297,12 @@ const ss_model_class ss_model_xpbd = {
     .name = "xpbd",
     .help = "neo-Hookean tetrahedra by extended position-based dynamics in small steps",
     .hints = &hints,
-    .row = rows,
-    .row_count = ROW_COUNT,
+    SS_MODEL_ROWS(rows),
     .step_cost_us = step_cost_us,
-    .create = create,
-    .destroy = destroy,
+    SS_MODEL_LIFE(ss_model, build, destroy),
     .step = step,
-    .contacts = ss_body_model_contacts,
-    .reset = ss_body_model_reset,
+    SS_BODY_CLASS,
     .info = info,
-    .displacement = ss_body_model_displacement,
-    .velocity = ss_body_model_velocity,
-    .reaction = ss_body_model_reaction,
-    .hash = ss_body_model_hash,
+    SS_BODY_MOTION,
     .explain = explain,
     .needs_volume = true};

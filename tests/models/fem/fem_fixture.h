@@ -86,23 +86,7 @@ static inline void open_up(setup *s)
 {
     open_elastic(s);
     ss_model *model = s->model;
-    const ss_body_plan body = {.name = "fem",
-                               .plan = &s->plan,
-                               .node_count = s->mesh->node_count,
-                               .mass = model->mass,
-                               .mass_damping = model->material.mass_damping,
-                               .edge = ss_body_mean_edge(s->mesh),
-                               .planned_step = SS_FEM_STEP_SHARE * ss_fem_rest_step(model->fem),
-                               .step_share = SS_FEM_STEP_SHARE,
-                               .integrator = model->material.integrator,
-                               .elastic = {.owner = model->fem,
-                                           .force = ss_fem_force,
-                                           .tangent = ss_fem_tangent,
-                                           .diagonal = ss_fem_diagonal,
-                                           .viscous_time = model->material.viscous_time,
-                                           .stable_step = ss_fem_stable_step,
-                                           .reset = ss_fem_reset,
-                                           .hash = ss_fem_hash}};
+    const ss_body_plan body = ss_fem_plan_body(model->fem, &s->plan, &model->material, model->mass);
     if (ss_body_create(&body, &model->body, &s->error) != SOFTSIM_OK) {
         fail_msg("create: %s", s->error.text);
     }

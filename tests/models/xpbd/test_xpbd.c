@@ -551,7 +551,7 @@ TEST(wrong_scenes_are_refused)
     setup s;
     setup_soft(&s, 1, kinds[0], 0.3);
     give(&s, "youngs_modulus_pa", -1.0); /* refused also where nobody wants to know why */
-    assert_int_equal(s.class->create(&s.plan, &s.model, NULL), SOFTSIM_ERROR_SCENE);
+    assert_int_equal(ss_model_create(s.class, &s.plan, &s.model, NULL), SOFTSIM_ERROR_SCENE);
     setup_fini(&s);
 }
 

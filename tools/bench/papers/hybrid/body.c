@@ -214,7 +214,7 @@ softsim_status ss_heart_start(ss_heart_body *body, softsim_error *error)
                           body->model_name);
         return SOFTSIM_ERROR_ARGUMENT;
     }
-    return body->model_class->create(&body->plan, &body->model, error);
+    return ss_model_create(body->model_class, &body->plan, &body->model, error);
 }
 
 void ss_heart_end(ss_heart_body *body)

@@ -321,7 +321,7 @@ softsim_status ss_fem_speed_measure(const ss_fem_speed_case *what, const ss_yard
                                     .max_substeps = 64,
                                     .threads = 1};
         const int64_t start_ns = ss_clock_thread_cpu_ns();
-        status = fem->create(&plan, &model, error);
+        status = ss_model_create(fem, &plan, &model, error);
         out->create_s = 1e-9 * (double)(ss_clock_thread_cpu_ns() - start_ns);
     }
     if (status == SOFTSIM_OK) {

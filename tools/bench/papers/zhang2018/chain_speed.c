@@ -137,7 +137,7 @@ static bool start(bench *b, const ss_mesh *mesh, bool is_full, softsim_error *er
                                 .step = 1e-3,
                                 .max_substeps = 64,
                                 .threads = 1};
-    if (b->class->create(&plan, &b->model, error) != SOFTSIM_OK) {
+    if (ss_model_create(b->class, &plan, &b->model, error) != SOFTSIM_OK) {
         return false;
     }
     ss_model_info info;

@@ -87,7 +87,7 @@ static void create(ss_zhang_run *run, double step_s)
                                 .step = step_s,
                                 .max_substeps = 1000,
                                 .threads = 1};
-    if (run->class->create(&plan, &run->model, &fault) != SOFTSIM_OK) {
+    if (ss_model_create(run->class, &plan, &run->model, &fault) != SOFTSIM_OK) {
         snprintf(run->reason, sizeof run->reason, "%.*s", (int)strcspn(fault.text, "\n"),
                  fault.text);
         run->model = NULL;
