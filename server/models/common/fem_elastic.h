@@ -56,8 +56,8 @@ enum {
     [SS_FEM_DENSITY] = SS_PARAM(FIELD, "density_kg_m3", "mass per volume", .takes_elements = true, \
                                 SS_ABOVE(0, 1e9), .fallback = 1000.0)
 
-/* Damping, time step and cure for locking: the rows that follow where forces are ss_fem's. */
-#define SS_FEM_FORCE_ROWS                                                                          \
+/* Damping and time step: the rows that follow where a step is explicit. */
+#define SS_FEM_DAMPING_ROWS                                                                        \
     [SS_FEM_PHI] = SS_PARAM(FIELD, "viscosity_phi_pa_s", "viscosity of dilatation",                \
                             .takes_elements = true, SS_FROM(0, 1e12)),                             \
     [SS_FEM_PSI] = SS_PARAM(FIELD, "viscosity_psi_pa_s", "viscosity of shear",                     \
@@ -71,7 +71,10 @@ enum {
                  "damping per mass: it damps all modes, and free flight", SS_FROM(0, 1e9)),        \
     [SS_FEM_INTEGRATOR] =                                                                          \
         SS_PARAM(CHOICE, "integrator", "rk4 costs four times as much and loses energy",            \
-                 .range.max = 1.0, .choices = "symplectic-euler|rk4"),                             \
+                 .range.max = 1.0, .choices = "symplectic-euler|rk4")
+
+/* The row after them where forces are ss_fem's. */
+#define SS_FEM_CURE_ROW                                                                            \
     [SS_FEM_LOCKING_CURE] = SS_PARAM(CHOICE, "locking_cure",                                       \
                                      "shares the resistance to dilatation among the elements of "  \
                                      "a node; auto: where Poisson's ratio is above 0.45",          \
@@ -80,7 +83,7 @@ enum {
 /* The first rows of a table with all of them. */
 #define SS_FEM_ROWS                                                                                \
     SS_FEM_SOLID_ROWS(SS_TISSUE_CHOICES, SS_TISSUE_KIND_COUNT - 1, SS_TISSUE_STVK_GUARDED),        \
-        SS_FEM_FORCE_ROWS
+        SS_FEM_DAMPING_ROWS, SS_FEM_CURE_ROW
 
 /* What the body is made of; one value an element. */
 typedef struct ss_fem_material {
@@ -98,6 +101,10 @@ typedef struct ss_fem_material {
 /* `name` begins every fault. SOFTSIM_ERROR_SCENE when there are any. */
 softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name, ss_arena *arena,
                                       ss_fem_material *out_material, softsim_error *error);
+/* The same of a table with the solid's and the damping's rows alone: every element resists all of
+ * lambda by itself. */
+softsim_status ss_fem_material_read(const ss_model_plan *plan, const char *name, ss_arena *arena,
+                                    ss_fem_material *out_material, softsim_error *error);
 
 /* Fraction of the stable step that sub-steps take; fem_stability.c counts on it. */
 #define SS_FEM_STEP_SHARE 0.5

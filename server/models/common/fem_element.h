@@ -25,8 +25,9 @@ typedef struct symmetric {
 /* SS_WIDE_LANES elements of a block. */
 typedef struct element {
     const int32_t *at; /* corner a: at + 8 a */
-    const ss_real *shape, *modulus, *viscosity, *kappa;
+    const ss_real *shape;
     ss_wide volume, lambda, mu, pressure; /* times V */
+    ss_wide kappa, phi, psi;              /* times V; phi and psi where there is viscosity */
     tensor h;
 } element;
 
@@ -398,26 +399,25 @@ SS_INLINE void add_guard(const element *e, tensor *p, bool wants_energy, ss_wide
     const ss_wide above = above_guard(&e->h);
     if (ss_wide_any_below(above, all(0.0))) {
         const dilatation v = dilatation_of(&e->h);
-        const ss_wide kappa = ss_wide_load(e->kappa);
         const ss_wide short_of = ss_wide_most(all(SS_TISSUE_GUARD - 1.0) - v.j, all(0.0));
-        add_scaled(p, all(0.0) - kappa * short_of, &v.c);
+        add_scaled(p, all(0.0) - e->kappa * short_of, &v.c);
         if (wants_energy) {
-            *energy = *energy + all(0.5) * kappa * short_of * short_of;
+            *energy = *energy + all(0.5) * e->kappa * short_of * short_of;
         }
     }
 }
 
-/* V (P + P_v); the viscous part with `v`. */
-SS_INLINE tensor stress(ss_tissue_kind kind, bool is_viscous, const element *e,
-                        const ss_fem_pass *pass, sums *sum)
+/* V (P + P_v); the viscous part with `rate`, NULL without. */
+SS_INLINE tensor stress(ss_tissue_kind kind, const element *e, const tensor *rate,
+                        bool wants_energy, sums *sum)
 {
-    const bool is_linear = kind == SS_TISSUE_LINEAR;
+    const bool is_linear = kind == SS_TISSUE_LINEAR, is_viscous = rate != NULL;
     const bool is_volume = kind == SS_TISSUE_NEO_HOOKEAN || kind == SS_TISSUE_STABLE_NEO_HOOKEAN;
     const symmetric d = is_linear ? twice_small(&e->h) : twice_green(&e->h);
     symmetric s = {{all(0.0), all(0.0), all(0.0), all(0.0), all(0.0), all(0.0)}};
     if (!is_volume) {
         s = hooke(e->lambda, e->mu, &d, e->pressure);
-        if (pass->wants_energy) {
+        if (wants_energy) {
             const ss_wide t = trace_of(&d);
             sum->energy =
                 sum->energy + all(0.125) * e->lambda * t * t + all(0.25) * e->mu * contract(&d, &d);
@@ -425,16 +425,14 @@ SS_INLINE tensor stress(ss_tissue_kind kind, bool is_viscous, const element *e,
     }
     sum->strain = ss_wide_most(contract(&d, &d), sum->strain);
     if (is_viscous) {
-        const tensor rate = gradient(e, pass->v);
-        const symmetric r = is_linear ? twice_small(&rate) : twice_mixed(&e->h, &rate);
-        const symmetric sv = hooke(ss_wide_load(e->viscosity),
-                                   ss_wide_load(e->viscosity + SS_FEM_LANES), &r, all(0.0));
+        const symmetric r = is_linear ? twice_small(rate) : twice_mixed(&e->h, rate);
+        const symmetric sv = hooke(e->phi, e->psi, &r, all(0.0));
         sum->power = ss_wide_fma(all(0.5), contract(&sv, &r), sum->power);
         for (int k = 0; k < 6; ++k) {
             s.m[k] = s.m[k] + sv.m[k];
         }
     }
-    tensor p = is_volume ? volume_stress(kind, e, &d, pass->wants_energy, &sum->energy) : full(&s);
+    tensor p = is_volume ? volume_stress(kind, e, &d, wants_energy, &sum->energy) : full(&s);
     if (is_volume && is_viscous) {
         const tensor sv = full(&s);
         add_scaled(&p, all(1.0), &sv);
@@ -443,7 +441,116 @@ SS_INLINE tensor stress(ss_tissue_kind kind, bool is_viscous, const element *e,
         add_symmetric(&p, &e->h, &s);
     }
     if (kind == SS_TISSUE_STVK_GUARDED) {
-        add_guard(e, &p, pass->wants_energy, &sum->energy);
+        add_guard(e, &p, wants_energy, &sum->energy);
     }
     return p;
 }
+
+/* ---- tangents ---- */
+
+/* a dF + da F + b dC + db C */
+SS_INLINE void add_volume_tangent(tensor *p, const element *e, const tensor *x, const dilatation *v,
+                                  ss_wide a, ss_wide da, ss_wide b, ss_wide db)
+{
+    const tensor dc = cogrownchange(&e->h, x);
+    add_scaled(p, a, x);
+    add_scaled(p, da, &e->h);
+    add_diagonal(p, da);
+    add_scaled(p, b, &dc);
+    add_scaled(p, db, &v->c);
+}
+
+SS_INLINE tensor volume_tangent(ss_tissue_kind kind, const element *e, const tensor *x,
+                                ss_wide change)
+{
+    const dilatation v = dilatation_of(&e->h);
+    const symmetric d = twice_green(&e->h), dd = twice_mixed(&e->h, x);
+    const ss_wide dj = product(&v.c, x), mu = e->mu;
+    const ss_wide invariant = all(3.0) + trace_of(&d), d_invariant = trace_of(&dd);
+    tensor p = zero_tensor();
+    if (kind == SS_TISSUE_NEO_HOOKEAN) {
+        const factor f = isochoric_factor(v.j);
+        const ss_wide bulk = ss_wide_fma(all(2.0 / 3.0), mu, e->lambda), half = all(0.5) * mu;
+        const ss_wide b = ss_wide_fma(half * f.slope, invariant, bulk * v.j) + e->pressure;
+        const ss_wide db = half * (f.bend * dj * invariant + f.slope * d_invariant) + bulk * dj;
+        add_volume_tangent(&p, e, x, &v, mu + mu * f.g1, mu * f.slope * dj, b, db + change);
+    } else {
+        const ss_wide m = all(4.0 / 3.0) * mu, l = ss_wide_fma(all(5.0 / 6.0), mu, e->lambda);
+        const ss_wide inverse = all(1.0) / (invariant + all(1.0));
+        add_volume_tangent(&p, e, x, &v, m - m * inverse, m * inverse * inverse * d_invariant,
+                           ss_wide_fma(l, v.j, e->pressure) - mu, ss_wide_fma(l, dj, change));
+    }
+    return p;
+}
+
+/* The change of V P along x, that of the pressure `change` (J); viscosity left out. */
+SS_INLINE tensor stress_change(ss_tissue_kind kind, const element *e, const tensor *x,
+                               ss_wide change)
+{
+    const bool is_linear = kind == SS_TISSUE_LINEAR;
+    tensor p;
+    if (kind == SS_TISSUE_NEO_HOOKEAN || kind == SS_TISSUE_STABLE_NEO_HOOKEAN) {
+        p = volume_tangent(kind, e, x, change);
+    } else {
+        const symmetric dd = is_linear ? twice_small(x) : twice_mixed(&e->h, x);
+        const symmetric ds = hooke(e->lambda, e->mu, &dd, change);
+        p = full(&ds);
+        if (!is_linear) {
+            const symmetric d = twice_green(&e->h);
+            const symmetric s = hooke(e->lambda, e->mu, &d, e->pressure);
+            add_symmetric(&p, &e->h, &ds);
+            add_symmetric(&p, x, &s);
+        }
+    }
+    if (kind == SS_TISSUE_STVK_GUARDED && ss_wide_any_below(above_guard(&e->h), all(0.0))) {
+        const dilatation v = dilatation_of(&e->h);
+        const ss_wide short_of = all(SS_TISSUE_GUARD - 1.0) - v.j;
+        const ss_wide kappa = ss_wide_below(all(0.0), short_of, e->kappa, all(0.0));
+        add_volume_tangent(&p, e, x, &v, all(0.0), all(0.0), all(0.0) - kappa * short_of,
+                           kappa * product(&v.c, x));
+    }
+    return p;
+}
+
+/* ---- dilatation ---- */
+
+SS_INLINE ss_wide trace_of_tensor(const tensor *h)
+{
+    return (h->m[0][0] + h->m[1][1]) + h->m[2][2];
+}
+
+/* The dilatation that lambda resists: J - 1, tr E or tr e. */
+SS_INLINE ss_wide resisted(ss_tissue_kind kind, const tensor *h)
+{
+    const ss_wide t = trace_of_tensor(h);
+    if (kind == SS_TISSUE_NEO_HOOKEAN || kind == SS_TISSUE_STABLE_NEO_HOOKEAN) {
+        const dilatation v = dilatation_of(h);
+        return v.j;
+    }
+    if (kind == SS_TISSUE_LINEAR) {
+        return t;
+    }
+    return ss_wide_fma(all(0.5), product(h, h), t);
+}
+
+/* Its change along x. */
+SS_INLINE ss_wide resisted_change(ss_tissue_kind kind, const tensor *h, const tensor *x)
+{
+    if (kind == SS_TISSUE_NEO_HOOKEAN || kind == SS_TISSUE_STABLE_NEO_HOOKEAN) {
+        const dilatation v = dilatation_of(h);
+        return product(&v.c, x);
+    }
+    const ss_wide t = trace_of_tensor(x);
+    if (kind == SS_TISSUE_LINEAR) {
+        return t;
+    }
+    return t + product(h, x);
+}
+
+/* A kernel for each law. */
+#define EACH_LAW(CASE)                                                                             \
+    CASE(SS_TISSUE_STVK_GUARDED);                                                                  \
+    CASE(SS_TISSUE_STVK);                                                                          \
+    CASE(SS_TISSUE_NEO_HOOKEAN);                                                                   \
+    CASE(SS_TISSUE_STABLE_NEO_HOOKEAN);                                                            \
+    CASE(SS_TISSUE_LINEAR);

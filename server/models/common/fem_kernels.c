@@ -44,13 +44,11 @@ SS_INLINE element element_at(const ss_fem_pass *pass, int32_t block, int lane)
     const ss_fem_blocks *blocks = pass->blocks;
     const ptrdiff_t b = block;
     element e = {.at = blocks->node + b * 4 * SS_FEM_LANES + lane,
-                 .shape = blocks->shape + b * SS_FEM_SHAPES * SS_FEM_LANES + lane,
-                 .modulus = blocks->modulus + b * SS_FEM_MODULI * SS_FEM_LANES + lane,
-                 .viscosity =
-                     blocks->viscosity ? blocks->viscosity + b * 2 * SS_FEM_LANES + lane : NULL,
-                 .kappa = blocks->kappa + b * SS_FEM_LANES + lane};
-    e.lambda = ss_wide_load(e.modulus);
-    e.mu = ss_wide_load(e.modulus + SS_FEM_LANES);
+                 .shape = blocks->shape + b * SS_FEM_SHAPES * SS_FEM_LANES + lane};
+    const ss_real *modulus = blocks->modulus + b * SS_FEM_MODULI * SS_FEM_LANES + lane;
+    e.lambda = ss_wide_load(modulus);
+    e.mu = ss_wide_load(modulus + SS_FEM_LANES);
+    e.kappa = ss_wide_load(blocks->kappa + b * SS_FEM_LANES + lane);
     e.pressure = all(0.0);
     e.h = gradient(&e, pass->u);
     e.volume = ss_wide_load(blocks->volume + b * SS_FEM_LANES + lane);
@@ -80,8 +78,16 @@ SS_INLINE void force_of(ss_tissue_kind kind, bool is_viscous, ss_fem_pass *pass)
         sums sum = {all(0.0), all(0.0), strain};
         for (int32_t b = first; b < end; ++b) {
             for (int lane = 0; lane < SS_FEM_LANES; lane += SS_WIDE_LANES) {
-                const element e = element_at(pass, b, lane);
-                tensor p = stress(kind, is_viscous, &e, pass, &sum);
+                element e = element_at(pass, b, lane);
+                tensor rate;
+                if (is_viscous) {
+                    const ss_real *viscosity =
+                        pass->blocks->viscosity + (ptrdiff_t)b * 2 * SS_FEM_LANES + lane;
+                    e.phi = ss_wide_load(viscosity);
+                    e.psi = ss_wide_load(viscosity + SS_FEM_LANES);
+                    rate = gradient(&e, pass->v);
+                }
+                tensor p = stress(kind, &e, is_viscous ? &rate : NULL, pass->wants_energy, &sum);
                 for (int k = 0; k < 9; ++k) {
                     p.m[k / 3][k % 3] = all(0.0) - p.m[k / 3][k % 3];
                 }
@@ -95,14 +101,6 @@ SS_INLINE void force_of(ss_tissue_kind kind, bool is_viscous, ss_fem_pass *pass)
     const double largest = largest_lane(strain);
     pass->strain = largest > pass->strain ? largest : pass->strain;
 }
-
-/* A kernel for each law. */
-#define EACH_LAW(CASE)                                                                             \
-    CASE(SS_TISSUE_STVK_GUARDED);                                                                  \
-    CASE(SS_TISSUE_STVK);                                                                          \
-    CASE(SS_TISSUE_NEO_HOOKEAN);                                                                   \
-    CASE(SS_TISSUE_STABLE_NEO_HOOKEAN);                                                            \
-    CASE(SS_TISSUE_LINEAR);
 
 static void force(ss_fem_pass *pass)
 {
@@ -125,45 +123,8 @@ static void force(ss_fem_pass *pass)
 
 /* ---- tangents ---- */
 
-/* a dF + da F + b dC + db C */
-SS_INLINE void add_volume_tangent(tensor *p, const element *e, const tensor *x, const dilatation *v,
-                                  ss_wide a, ss_wide da, ss_wide b, ss_wide db)
-{
-    const tensor dc = cogrownchange(&e->h, x);
-    add_scaled(p, a, x);
-    add_scaled(p, da, &e->h);
-    add_diagonal(p, da);
-    add_scaled(p, b, &dc);
-    add_scaled(p, db, &v->c);
-}
-
-SS_INLINE tensor volume_tangent(ss_tissue_kind kind, const element *e, const tensor *x,
-                                ss_wide change)
-{
-    const dilatation v = dilatation_of(&e->h);
-    const symmetric d = twice_green(&e->h), dd = twice_mixed(&e->h, x);
-    const ss_wide dj = product(&v.c, x), mu = e->mu;
-    const ss_wide invariant = all(3.0) + trace_of(&d), d_invariant = trace_of(&dd);
-    tensor p = zero_tensor();
-    if (kind == SS_TISSUE_NEO_HOOKEAN) {
-        const factor f = isochoric_factor(v.j);
-        const ss_wide bulk = ss_wide_fma(all(2.0 / 3.0), mu, e->lambda), half = all(0.5) * mu;
-        const ss_wide b = ss_wide_fma(half * f.slope, invariant, bulk * v.j) + e->pressure;
-        const ss_wide db = half * (f.bend * dj * invariant + f.slope * d_invariant) + bulk * dj;
-        add_volume_tangent(&p, e, x, &v, mu + mu * f.g1, mu * f.slope * dj, b, db + change);
-    } else {
-        const ss_wide m = all(4.0 / 3.0) * mu, l = ss_wide_fma(all(5.0 / 6.0), mu, e->lambda);
-        const ss_wide inverse = all(1.0) / (invariant + all(1.0));
-        add_volume_tangent(&p, e, x, &v, m - m * inverse, m * inverse * inverse * d_invariant,
-                           ss_wide_fma(l, v.j, e->pressure) - mu, ss_wide_fma(l, dj, change));
-    }
-    return p;
-}
-
 SS_INLINE void tangent_of(ss_tissue_kind kind, ss_fem_pass *pass)
 {
-    const bool is_linear = kind == SS_TISSUE_LINEAR;
-    const bool is_volume = kind == SS_TISSUE_NEO_HOOKEAN || kind == SS_TISSUE_STABLE_NEO_HOOKEAN;
     for (int32_t i = 0; i < pass->blocks->count * (SS_FEM_LANES / SS_WIDE_LANES); ++i) {
         const element e = element_at(pass, i / (SS_FEM_LANES / SS_WIDE_LANES),
                                      i % (SS_FEM_LANES / SS_WIDE_LANES) * SS_WIDE_LANES);
@@ -172,28 +133,7 @@ SS_INLINE void tangent_of(ss_tissue_kind kind, ss_fem_pass *pass)
         if (pass->change) {
             change = e.volume * corner_mean(&e, pass->change);
         }
-        tensor p;
-        if (is_volume) {
-            p = volume_tangent(kind, &e, &x, change);
-        } else {
-            const symmetric dd = is_linear ? twice_small(&x) : twice_mixed(&e.h, &x);
-            const symmetric ds = hooke(e.lambda, e.mu, &dd, change);
-            p = full(&ds);
-            if (!is_linear) {
-                const symmetric d = twice_green(&e.h);
-                const symmetric s = hooke(e.lambda, e.mu, &d, e.pressure);
-                add_symmetric(&p, &e.h, &ds);
-                add_symmetric(&p, &x, &s);
-            }
-        }
-        if (kind == SS_TISSUE_STVK_GUARDED && ss_wide_any_below(above_guard(&e.h), all(0.0))) {
-            const dilatation v = dilatation_of(&e.h);
-            const ss_wide short_of = all(SS_TISSUE_GUARD - 1.0) - v.j;
-            const ss_wide kappa =
-                ss_wide_below(all(0.0), short_of, ss_wide_load(e.kappa), all(0.0));
-            add_volume_tangent(&p, &e, &x, &v, all(0.0), all(0.0), all(0.0) - kappa * short_of,
-                               kappa * product(&v.c, &x));
-        }
+        const tensor p = stress_change(kind, &e, &x, change);
         spread(&e, &p, pass->out);
     }
 }
@@ -214,33 +154,17 @@ static void tangent(ss_fem_pass *pass)
 
 /* ---- dilatation ---- */
 
-SS_INLINE ss_wide trace_of_tensor(const tensor *h)
-{
-    return (h->m[0][0] + h->m[1][1]) + h->m[2][2];
-}
-
-SS_INLINE void dilate_of(bool is_linear, bool is_volume, ss_fem_pass *pass)
+SS_INLINE void dilate_of(ss_tissue_kind kind, ss_fem_pass *pass)
 {
     for (int32_t b = 0; b < pass->blocks->count; ++b) {
         for (int lane = 0; lane < SS_FEM_LANES; lane += SS_WIDE_LANES) {
             const element e = element_at(pass, b, lane);
-            const tensor *h = &e.h;
-            ss_wide q = trace_of_tensor(h);
-            if (is_volume) {
-                const dilatation v = dilatation_of(h);
-                q = v.j;
-                if (pass->x) {
-                    const tensor x = gradient(&e, pass->x);
-                    q = product(&v.c, &x);
-                }
-            } else if (pass->x) {
+            ss_wide q;
+            if (pass->x) {
                 const tensor x = gradient(&e, pass->x);
-                q = trace_of_tensor(&x);
-                if (!is_linear) {
-                    q = q + product(h, &x);
-                }
-            } else if (!is_linear) {
-                q = ss_wide_fma(all(0.5), product(h, h), q);
+                q = resisted_change(kind, &e.h, &x);
+            } else {
+                q = resisted(kind, &e.h);
             }
             _Alignas(32) ss_real share[SS_WIDE_LANES];
             ss_wide_store(
@@ -256,12 +180,15 @@ SS_INLINE void dilate_of(bool is_linear, bool is_volume, ss_fem_pass *pass)
 
 static void dilate(ss_fem_pass *pass)
 {
-    if (pass->kind == SS_TISSUE_LINEAR) {
-        dilate_of(true, false, pass);
-    } else if (pass->kind == SS_TISSUE_NEO_HOOKEAN || pass->kind == SS_TISSUE_STABLE_NEO_HOOKEAN) {
-        dilate_of(false, true, pass);
-    } else {
-        dilate_of(false, false, pass);
+    switch (pass->kind) {
+#define CASE(kind)                                                                                 \
+    case kind:                                                                                     \
+        dilate_of(kind, pass);                                                                     \
+        break
+        EACH_LAW(CASE)
+#undef CASE
+    case SS_TISSUE_KIND_COUNT:
+        break;
     }
 }
 
@@ -289,8 +216,7 @@ static void growth(const ss_fem_pass *pass, ss_real *out_growth, ss_real *out_ra
             const ss_wide most = ss_wide_fma(all(sqrt(2.0 / 3.0)), ss_wide_root(dev), third);
             /* kappa carries V and is the modulus lambda + 2 mu: no element of ours has 0 but spare
              * lanes. */
-            const ss_wide modulus = ss_wide_load(e.kappa);
-            const ss_wide kappa = ss_wide_below(all(0.0), modulus, modulus, all(1.0));
+            const ss_wide kappa = ss_wide_below(all(0.0), e.kappa, e.kappa, all(1.0));
             const ss_wide s = ss_wide_fma(all(0.5) * e.lambda, t, e.mu * most) + e.pressure;
             ss_wide grown =
                 all(1.0) + ss_wide_most(most, all(0.0)) + ss_wide_most(s, all(0.0)) / kappa;

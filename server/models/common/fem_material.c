@@ -88,8 +88,8 @@ static void fill_own(const ss_model_plan *plan, ss_fem_material *material)
     }
 }
 
-softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name, ss_arena *arena,
-                                      ss_fem_material *out_material, softsim_error *error)
+softsim_status ss_fem_material_read(const ss_model_plan *plan, const char *name, ss_arena *arena,
+                                    ss_fem_material *out_material, softsim_error *error)
 {
     const size_t n = (size_t)plan->mesh->tetrahedron_count;
     static const int viscosity[] = {SS_FEM_PHI, SS_FEM_PSI, SS_FEM_STIFFNESS_DAMPING};
@@ -109,8 +109,8 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
     const bool is_good = fill_moduli(plan, name, &material, error);
     for (size_t e = 0; e < n; ++e) {
         material.density[e] = ss_plan_element_value(plan, SS_FEM_DENSITY, (int32_t)e);
+        material.lambda_own[e] = material.lambda[e];
     }
-    fill_own(plan, &material);
     ss_plan_viscosity(plan, viscosity, material.lambda, material.mu, arena, &material.phi,
                       &material.psi, &material.viscous_time);
     *out_material = material;
@@ -118,4 +118,14 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
         return SOFTSIM_ERROR_MEMORY;
     }
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_SCENE;
+}
+
+softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name, ss_arena *arena,
+                                      ss_fem_material *out_material, softsim_error *error)
+{
+    const softsim_status status = ss_fem_material_read(plan, name, arena, out_material, error);
+    if (status == SOFTSIM_OK) {
+        fill_own(plan, out_material);
+    }
+    return status;
 }

@@ -156,11 +156,13 @@ SS_INLINE void solve(const ss_xpbd_pass *pass, ss_tissue_kind kind, int32_t pack
     const ptrdiff_t b = pack;
     const ss_real *spread = packs->spread + b * 6 * SS_FEM_LANES + lane;
     const ss_wide square = all(pass->h * pass->h);
-    element e = {.at = packs->node + b * 4 * SS_FEM_LANES + lane,
-                 .shape = packs->shape + b * SS_FEM_SHAPES * SS_FEM_LANES + lane,
-                 .modulus = packs->modulus + b * SS_FEM_MODULI * SS_FEM_LANES + lane};
-    e.lambda = ss_wide_load(e.modulus);
-    e.mu = ss_wide_load(e.modulus + SS_FEM_LANES);
+    element e = {
+        .at = packs->node + b * 4 * SS_FEM_LANES + lane,
+        .shape = packs->shape + b * SS_FEM_SHAPES * SS_FEM_LANES + lane,
+    };
+    const ss_real *modulus = packs->modulus + b * SS_FEM_MODULI * SS_FEM_LANES + lane;
+    e.lambda = ss_wide_load(modulus);
+    e.mu = ss_wide_load(modulus + SS_FEM_LANES);
     e.pressure = all(0.0);
     e.h = moved_gradient(&e, pass->u, pass->step);
     const symmetric green = twice_green(&e.h);
