@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/fem_quadratic/quadratic.h"
+/*
+ * fem-quadratic: a volume of ten-node tetrahedra with split volume energy, explicit in time.
+ *
+ * Displacements are quadratic in each element: u = sum_a N_a u_a, corners N_k = l_k (2 l_k - 1),
+ * sides N_kj = 4 l_k l_j. A linear tetrahedron has one constant strain, which bends and squeezes
+ * too stiffly while the mesh is coarse; this one has strains that vary linearly, for ten nodes and
+ * a longer step at the same error.
+ *
+ *   W = sum_q V_q w(lambda_own; H_q) + V (lambda - lambda_own)/2 mean(theta)^2
+ *
+ * over the four Gauss points q of degree 2, V_q = V/4 in straight elements, w any law of
+ * models/tissue_law.h, theta the dilatation that its lambda resists (J - 1; tr E of stvk; tr e of
+ * linear) and mean(theta) = sum_q V_q theta_q / V. lambda_own + 2/3 mu = kappa mu, at most all:
+ * `volume_split` is kappa. All of lambda at four points locks near nu = 0.5, none of it there
+ * leaves motions without energy; one constant dilatation an element is the mixed form of Simo,
+ * Taylor and Pister (1985), where it takes the whole of the volume's energy. They leave open how it
+ * is split; here it is by moduli. Rejected: the dilatation at the centroid in place of the mean,
+ * which is the same for small strain but does not balance a constant pressure in a curved element.
+ *
+ * The rest: explicit total Lagrangian dynamics (Miller et al. 2007), masses in mass.c, forces in
+ * kernels.c, the nodes on sides in raise.c, the stable step in stability.c; everything else, tools
+ * and loads and supports, is ss_body on the raised mesh.
+ */
+#include <math.h>
+
+#include "mesh/tetrahedron.h"
+
+#include "rt/memory.h"
+
+struct ss_model {
+    ss_body *body; /* first, as ss_body_model_... take it */
+    ss_arena arena;
+    ss_quadratic quadratic;
+    ss_quadratic_raised raised;
+    ss_quadratic_masses masses;
+    ss_fem_material material;
+};
+
+enum {
+    VOLUME_SPLIT = SS_FEM_LOCKING_CURE, /* in its place */
+    MASS_SCALING,
+    CURVED,
+    ROW_COUNT
+};
+
+static const ss_param_row rows[ROW_COUNT] = {
+    SS_FEM_SOLID_ROWS(SS_TISSUE_CHOICES, SS_TISSUE_KIND_COUNT - 1, SS_TISSUE_STVK_GUARDED),
+    SS_FEM_DAMPING_ROWS,
+    [VOLUME_SPLIT] = SS_PARAM(NUMBER, "volume_split",
+                              "bulk modulus over mu that each Gauss point resists by itself; the "
+                              "element's mean dilatation meets the rest",
+                              SS_FROM(0.1, 10.0), .fallback = 1.0),
+    [MASS_SCALING] = SS_PARAM(NUMBER, "mass_scaling_max",
+                              "share of the whole mass that may be added to the elements with the "
+                              "shortest step",
+                              SS_FROM(0.0, 0.2), .fallback = 0.025),
+    [CURVED] = SS_PARAM(CHOICE, "curved",
+                        "auto: sides of a smooth surface follow its normals; no: all are straight",
+                        .range.max = 1.0, .choices = "auto|no"),
+};
+
+/* ---- cost ---- */
+
+/* Microseconds a sub-step of an element, elastic and viscous, with its nodes, and of an outer step
+ * by itself. */
+#define COST_ELASTIC 0.06
+#define COST_VISCOUS 0.03
+#define COST_STEP    5.0
+#define COST_TOOL    15.0
+/* The stable step of a straight element over its least height through the speed of sound. */
+#define STEP_OF_HEIGHT 0.37
+
+static double substeps_of_ms(const ss_model_plan *plan, const ss_fem_material *material)
+{
+    double rate = 0.0;
+    for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
+        const int32_t *c = plan->mesh->tetrahedron[e];
+        const double(*x)[3] = (const double(*)[3])plan->mesh->position;
+        double gradient[4][3], largest = 0.0;
+        (void)ss_tetrahedron_gradients(x[c[0]], x[c[1]], x[c[2]], x[c[3]], gradient);
+        for (int a = 0; a < 4; ++a) {
+            largest = fmax(largest, ss_norm3(gradient[a]));
+        }
+        const double speed =
+            sqrt((material->lambda[e] + 2.0 * material->mu[e]) / material->density[e]);
+        rate = fmax(rate, speed * largest);
+    }
+    return fmax(1.0, 1e-3 * rate / (STEP_OF_HEIGHT * SS_QUADRATIC_STEP_SHARE));
+}
+
+static double step_cost_us(const ss_model_plan *plan)
+{
+    ss_arena arena = {0};
+    ss_fem_material material;
+    double cost = COST_STEP;
+    if (ss_fem_material_read(plan, "fem-quadratic", &arena, &material, NULL) == SOFTSIM_OK) {
+        const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0);
+        const double sweeps = material.integrator == SS_BODY_RK4 ? 4.0 / 1.4 : 1.0;
+        cost += substeps_of_ms(plan, &material) * sweeps * element * plan->mesh->tetrahedron_count;
+    }
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        cost += plan->tool[k].is_used ? COST_TOOL : 0.0;
+    }
+    ss_arena_free(&arena);
+    return cost;
+}
+
+/* ---- life ---- */
+
+static void destroy(ss_model *model)
+{
+    ss_body_destroy(&model->body);
+    ss_arena_free(&model->arena);
+    ss_memory_free(model);
+}
+
+/* What each point resists of lambda by itself. */
+static void split(const ss_model_plan *plan, ss_fem_material *material)
+{
+    const double kappa = plan->param[VOLUME_SPLIT].number;
+    for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
+        material->lambda_own[e] = fmin(material->lambda[e], (kappa - 2.0 / 3.0) * material->mu[e]);
+    }
+}
+
+static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_error *error)
+{
+    ss_quadratic_raised *raised = &model->raised;
+    softsim_status status =
+        ss_fem_material_read(plan, "fem-quadratic", &model->arena, &model->material, error);
+    if (status == SOFTSIM_OK) {
+        split(plan, &model->material);
+        status = ss_quadratic_raise(plan, plan->param[CURVED].number == 0.0, &model->arena, raised,
+                                    error);
+    }
+    if (status == SOFTSIM_OK) {
+        status =
+            ss_quadratic_masses_create(raised, &model->material, plan->param[MASS_SCALING].number,
+                                       &model->arena, &model->masses);
+    }
+    if (status == SOFTSIM_OK) {
+        status = ss_quadratic_create(raised, &model->material, &model->masses, &model->arena,
+                                     &model->quadratic);
+    }
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    const ss_body_plan body = {
+        .name = "fem-quadratic",
+        .plan = &raised->plan,
+        .node_count = raised->mesh.node_count,
+        .mass = model->masses.mass,
+        .mass_damping = model->material.mass_damping,
+        .edge = 0.5 * ss_body_mean_edge(plan->mesh), /* between neighbouring nodes */
+        .planned_step = SS_QUADRATIC_STEP_SHARE * ss_quadratic_rest_step(&model->quadratic),
+        .step_share = SS_QUADRATIC_STEP_SHARE,
+        .integrator = model->material.integrator,
+        .elastic = {.owner = &model->quadratic,
+                    .force = ss_quadratic_force,
+                    .tangent = ss_quadratic_tangent,
+                    .diagonal = ss_quadratic_diagonal,
+                    .viscous_time = model->material.viscous_time,
+                    .stable_step = ss_quadratic_stable_step,
+                    .reset = ss_quadratic_reset,
+                    .hash = ss_quadratic_hash}};
+    status = ss_body_create(&body, &model->body, error);
+    if (status == SOFTSIM_OK) {
+        model->quadratic.u = ss_body_read_nodes(model->body)->u;
+        status = ss_body_start(model->body);
+    }
+    return status;
+}
+
+/* ---- the class ---- */
+
+static void step(ss_model *model, double time, double dt,
+                 const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    ss_body_step(model->body, time, dt, tool);
+    ss_quadratic_judge(&model->quadratic, model->body);
+}
+
+/* Counted in kernels.c, of stable neo-Hookean in a straight element: gathers 27 differences, bases
+ * 60; a point's gradient 36 + 45, dilatation 26, stress 190, forces 45 + 36; the end 90. */
+static void sweep_work(bool is_viscous, double *out_bytes, double *out_flops)
+{
+    const int values = SS_FEM_SHAPES + SS_QUADRATIC_MODULI + (is_viscous ? 2 : 0);
+    *out_bytes = (double)(values * (int)sizeof(ss_real) + SS_QUADRATIC_NODES * 4);
+    *out_flops = 1690.0 + (is_viscous ? 700.0 : 0.0);
+}
+
+static void explain(const ss_model *model, const ss_notes *out)
+{
+    static const char *const law[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",
+                                                          "stable-neo-hookean", "linear"};
+    const ss_quadratic *own = &model->quadratic;
+    const ss_quadratic_masses *masses = &model->masses;
+    double bytes, flops;
+    sweep_work(own->blocks.viscosity != NULL, &bytes, &flops);
+    ss_note_used(out, "ten-node tetrahedra",
+                 "%d of %s on %d nodes, of which %d are in the file, %s kernels, %.0f bytes each a "
+                 "sweep where straight",
+                 own->blocks.element_count, law[own->kind], own->blocks.node_count,
+                 model->raised.corner_count, own->kernels->name, bytes);
+    if (model->raised.curved_side_count > 0) {
+        ss_note_used(out, "curved sides",
+                     "%d follow the surface's normals, %d more would bend an "
+                     "element too far",
+                     model->raised.curved_side_count, model->raised.straightened_side_count);
+    } else {
+        ss_note_left_out(out, "curved sides", "%s", "none of the surface is smooth, or curved: no");
+    }
+    ss_note_used(out, "mass scaling",
+                 "%.2g %% of the mass added to %d elements: the step is %.3g "
+                 "times as long",
+                 100.0 * masses->added_share, masses->scaled_count,
+                 sqrt(masses->plain_bound / masses->bound));
+    if (own->blocks.viscosity) {
+        ss_note_used(out, "viscosity", "at most %.4g s of the elastic stiffness",
+                     own->viscous_time);
+    } else {
+        ss_note_left_out(out, "velocity pass", "%s", "no viscosity");
+    }
+    ss_note_used(out, "stable step of the elastic body",
+                 "%.4g s by power iteration, of which %.2g is taken", ss_quadratic_rest_step(own),
+                 SS_QUADRATIC_STEP_SHARE);
+    ss_body_explain(model->body, out);
+}
+
+static const ss_hints_variant variants[] = {
+    {.name = "fem-quadratic stable-neo-hookean",
+     .text = "  material: stable-neo-hookean\n",
+     .knob = SS_HINTS_SOLID},
+    {.name = "fem-quadratic neo-hookean",
+     .text = "  material: neo-hookean\n",
+     .knob = SS_HINTS_SOLID},
+};
+static const ss_model_hints hints = {
+    .colour = "#009e73",
+    .about = "solves the stated material on tetrahedra with a node on every side: the lowest error "
+             "at a time budget",
+    .has_force = true,
+    .material = SS_HINTS_ANY_LAW,
+    .fitted = {{"youngs_modulus_pa", false, 0.0},
+               {"lame_lambda_pa", false, 0.0},
+               {"lame_mu_pa", false, 0.0},
+               {"viscosity_phi_pa_s", true, 0.0},
+               {"viscosity_psi_pa_s", true, 0.0}},
+    .work = sweep_work,
+    .variant = variants,
+    .variant_count = sizeof variants / sizeof *variants};
+
+extern const ss_model_class ss_model_fem_quadratic;
+const ss_model_class ss_model_fem_quadratic = {
+    .name = "fem-quadratic",
+    .help = "a volume of ten-node tetrahedra with split volume energy, explicit in time",
+    .hints = &hints,
+    SS_MODEL_ROWS(rows),
+    .step_cost_us = step_cost_us,
+    SS_MODEL_LIFE(ss_model, build, destroy),
+    .step = step,
+    SS_BODY_CLASS,
+    .info = ss_body_model_info,
+    SS_BODY_MOTION,
+    .explain = explain,
+    .needs_volume = true};

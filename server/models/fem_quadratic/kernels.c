@@ -1,0 +1,395 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/fem_quadratic/kernels.h"
+/*
+ * The kernels, written once. This file is compiled for the baseline processor as it stands, and
+ * once more for AVX2 with 256-bit vectors and fused multiply-add.
+ *
+ * Barycentric coordinates l_k; the gradient of a quadratic field is linear in them:
+ *
+ *   c_k = (4 l_k - 1) u_k + 4 sum_{j != k} l_j u_kj,   du/dl_s = c_s - c_0,   s = 1, 2, 3
+ *   H = sum_s (c_s - c_0) (grad l_s)^T
+ *
+ * At Gauss point q (l_q = a, the others b) all but one term of each c_k is the same for the four
+ * points: c_k = base_k + 4 (a - b) w_kq, where w_kq is the node of side kq and w_kk corner k, and
+ * base_k = (4 b - 1) u_k + 4 b sum_{j != k} u_kj. Displacements are relative to corner 0, so that
+ * translation is free of rounding, and its force is minus the sum of the others: momentum is kept.
+ * Forces are the exact transpose of these lines.
+ *
+ * The dilatation that lambda - lambda_own resists is the element's mean, which needs all four
+ * points: a first loop has gradients and dilatations, a second one stresses.
+ *
+ * Flops an element of stable neo-Hookean, straight, elastic (a fused multiply-add counts 2),
+ * see ss_quadratic_work.
+ */
+#include "models/common/fem_element.h"
+
+/* Blocks summed in ss_real before a sum goes over to double. */
+enum { RUN = 32 };
+/* The four-point Gauss rule of degree 2. */
+#define NEAR 0.58541019662496852
+#define FAR  0.13819660112501050
+#define STEP (4.0 * (NEAR - FAR))
+enum { NODES = SS_QUADRATIC_NODES, POINTS = SS_QUADRATIC_POINTS, LANES = SS_FEM_LANES };
+enum { CURVED = SS_FEM_SHAPES + 1 }; /* values of a curved element's point */
+
+/* The node of side k-j, or corner k. */
+static const int side[4][4] = {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}};
+
+/* SS_WIDE_LANES elements of a block. */
+typedef struct cell {
+    const int32_t *at;
+    const ss_real *shape; /* of the first point; all points' where straight */
+    ss_wide lambda, mu, shared, kappa, phi, psi; /* times V */
+} cell;
+
+/* A nodal field within a cell. */
+typedef struct nodal {
+    ss_wide node[NODES][3]; /* less corner 0 */
+    ss_wide base[3][3];     /* base_s - base_0 */
+} nodal;
+
+SS_INLINE cell cell_at(const ss_quadratic_blocks *blocks, bool is_curved, bool is_viscous,
+                       int32_t block, int lane)
+{
+    const ptrdiff_t b = block, first = is_curved ? blocks->straight_count : 0;
+    const ss_real *modulus = blocks->modulus + b * SS_QUADRATIC_MODULI * LANES + lane;
+    cell c = {.at = blocks->node + b * NODES * LANES + lane,
+              .shape = is_curved ? blocks->curved + (b - first) * POINTS * CURVED * LANES + lane
+                                 : blocks->shape + b * SS_FEM_SHAPES * LANES + lane,
+              .lambda = ss_wide_load(modulus),
+              .mu = ss_wide_load(modulus + LANES),
+              .shared = ss_wide_load(modulus + 2 * LANES),
+              .kappa = ss_wide_load(blocks->kappa + b * LANES + lane)};
+    if (is_viscous) {
+        const ss_real *viscosity = blocks->viscosity + b * 2 * LANES + lane;
+        c.phi = ss_wide_load(viscosity);
+        c.psi = ss_wide_load(viscosity + LANES);
+    }
+    return c;
+}
+
+SS_INLINE void load(const cell *c, const ss_real *field, nodal *out)
+{
+    ss_wide zero[3], base[4][3];
+    ss_wide_gather(field, c->at, zero);
+#pragma GCC unroll 10
+    for (int n = 0; n < NODES; ++n) {
+        if (n == 0) {
+            out->node[n][0] = out->node[n][1] = out->node[n][2] = all(0.0);
+            continue;
+        }
+        ss_wide_gather(field, c->at + LANES * n, out->node[n]);
+        for (int i = 0; i < 3; ++i) {
+            out->node[n][i] = out->node[n][i] - zero[i];
+        }
+    }
+#pragma GCC unroll 4
+    for (int k = 0; k < 4; ++k) {
+        const int *s = side[k];
+        for (int i = 0; i < 3; ++i) {
+            const ss_wide sum = (out->node[s[(k + 1) % 4]][i] + out->node[s[(k + 2) % 4]][i]) +
+                                out->node[s[(k + 3) % 4]][i];
+            base[k][i] = all(4.0 * FAR) * sum;
+            if (k > 0) {
+                base[k][i] = ss_wide_fma(all(4.0 * FAR - 1.0), out->node[k][i], base[k][i]);
+            }
+        }
+    }
+#pragma GCC unroll 3
+    for (int s = 0; s < 3; ++s) {
+        for (int i = 0; i < 3; ++i) {
+            out->base[s][i] = base[s + 1][i] - base[0][i];
+        }
+    }
+}
+
+/* The element of common/fem_element.h that Gauss point q is: its volume V_q in all that carries
+ * one, no gradient and no pressure yet. */
+SS_INLINE element point_at(const cell *c, bool is_curved, int q, ss_wide *out_share)
+{
+    const ss_real *shape = is_curved ? c->shape + (ptrdiff_t)q * CURVED * LANES : c->shape;
+    const ss_wide share = is_curved ? ss_wide_load(shape + SS_FEM_SHAPES * LANES) : all(0.25);
+    *out_share = share;
+    return (element){.at = c->at,
+                     .shape = shape,
+                     .lambda = share * c->lambda,
+                     .mu = share * c->mu,
+                     .kappa = share * c->kappa,
+                     .pressure = all(0.0)};
+}
+
+SS_INLINE tensor point_gradient(const element *e, const nodal *field, int q)
+{
+    ss_wide d[3][3];
+#pragma GCC unroll 3
+    for (int s = 0; s < 3; ++s) {
+        for (int i = 0; i < 3; ++i) {
+            const ss_wide change = field->node[side[s + 1][q]][i] - field->node[side[0][q]][i];
+            d[s][i] = ss_wide_fma(all(STEP), change, field->base[s][i]);
+        }
+    }
+    return gradient_of(e, (const ss_wide(*)[3])d);
+}
+
+/* What the columns c_k of all points give the nodes. */
+typedef struct columns {
+    ss_wide sum[4][3];
+    ss_wide node[NODES][3];
+} columns;
+
+SS_INLINE void clear(columns *f)
+{
+#pragma GCC unroll 10
+    for (int n = 0; n < NODES; ++n) {
+        for (int i = 0; i < 3; ++i) {
+            f->node[n][i] = all(0.0);
+        }
+    }
+#pragma GCC unroll 4
+    for (int k = 0; k < 4; ++k) {
+        for (int i = 0; i < 3; ++i) {
+            f->sum[k][i] = all(0.0);
+        }
+    }
+}
+
+SS_INLINE void add_point(const element *e, const tensor *p, int q, columns *f)
+{
+    ss_wide column[4][3];
+    corner_forces(e, p, column);
+#pragma GCC unroll 4
+    for (int k = 0; k < 4; ++k) {
+        for (int i = 0; i < 3; ++i) {
+            f->sum[k][i] = f->sum[k][i] + column[k][i];
+            f->node[side[k][q]][i] = ss_wide_fma(all(STEP), column[k][i], f->node[side[k][q]][i]);
+        }
+    }
+}
+
+/* out += sign times the forces. */
+SS_INLINE void spread_columns(const cell *c, columns *f, double sign, ss_real *out)
+{
+    ss_wide total[3] = {all(0.0), all(0.0), all(0.0)};
+#pragma GCC unroll 10
+    for (int n = NODES - 1; n > 0; --n) {
+        ss_wide force[3];
+        for (int i = 0; i < 3; ++i) {
+            ss_wide x = f->node[n][i];
+            if (n < 4) {
+                x = ss_wide_fma(all(4.0 * FAR - 1.0), f->sum[n][i], x);
+            }
+#pragma GCC unroll 4
+            for (int k = 0; k < 4; ++k) {
+                for (int j = k + 1; j < 4; ++j) {
+                    if (side[k][j] == n) {
+                        x = ss_wide_fma(all(4.0 * FAR), f->sum[k][i] + f->sum[j][i], x);
+                    }
+                }
+            }
+            force[i] = all(sign) * x;
+            total[i] = total[i] + force[i];
+        }
+        ss_wide_scatter_add(out, c->at + LANES * n, force);
+    }
+    for (int i = 0; i < 3; ++i) {
+        total[i] = all(0.0) - total[i];
+    }
+    ss_wide_scatter_add(out, c->at, total);
+}
+
+/* Gradients of all points, and lambda's mean dilatation. */
+SS_INLINE ss_wide gradients(ss_tissue_kind kind, bool is_curved, const cell *c, const nodal *u,
+                            tensor h[POINTS])
+{
+    ss_wide mean = all(0.0);
+#pragma GCC unroll 4
+    for (int q = 0; q < POINTS; ++q) {
+        ss_wide share;
+        const element e = point_at(c, is_curved, q, &share);
+        h[q] = point_gradient(&e, u, q);
+        mean = ss_wide_fma(share, resisted(kind, &h[q]), mean);
+    }
+    return mean;
+}
+
+SS_INLINE void force_block(ss_tissue_kind kind, bool is_curved, bool is_viscous,
+                           const ss_quadratic_pass *pass, int32_t block, int lane, sums *sum)
+{
+    const cell c = cell_at(pass->blocks, is_curved, is_viscous, block, lane);
+    nodal u, v;
+    tensor h[POINTS];
+    columns f;
+    load(&c, pass->u, &u);
+    if (is_viscous) {
+        load(&c, pass->v, &v);
+    }
+    const ss_wide mean = gradients(kind, is_curved, &c, &u, h), pressure = c.shared * mean;
+    clear(&f);
+#pragma GCC unroll 4
+    for (int q = 0; q < POINTS; ++q) {
+        ss_wide share;
+        tensor rate;
+        element e = point_at(&c, is_curved, q, &share);
+        e.h = h[q];
+        e.pressure = share * pressure;
+        if (is_viscous) {
+            e.phi = share * c.phi;
+            e.psi = share * c.psi;
+            rate = point_gradient(&e, &v, q);
+        }
+        const tensor p = stress(kind, &e, is_viscous ? &rate : NULL, pass->wants_energy, sum);
+        add_point(&e, &p, q, &f);
+    }
+    if (pass->wants_energy) {
+        sum->energy = ss_wide_fma(all(0.5) * pressure, mean, sum->energy);
+    }
+    spread_columns(&c, &f, -1.0, pass->out);
+}
+
+SS_INLINE double largest_lane(ss_wide a)
+{
+    _Alignas(32) ss_real lane[SS_WIDE_LANES];
+    ss_wide_store(lane, a);
+    double largest = 0.0;
+    for (int k = 0; k < SS_WIDE_LANES; ++k) {
+        largest = (double)lane[k] > largest ? (double)lane[k] : largest;
+    }
+    return largest;
+}
+
+SS_INLINE void force_run(ss_tissue_kind kind, bool is_curved, bool is_viscous,
+                         ss_quadratic_pass *pass, int32_t from, int32_t to)
+{
+    for (int32_t first = from; first < to; first += RUN) {
+        const int32_t end = first + RUN < to ? first + RUN : to;
+        sums sum = {all(0.0), all(0.0), all(0.0)};
+        for (int32_t b = first; b < end; ++b) {
+            for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
+                force_block(kind, is_curved, is_viscous, pass, b, lane, &sum);
+            }
+        }
+        const double strain = largest_lane(sum.strain);
+        pass->energy += ss_wide_sum(sum.energy);
+        pass->power += ss_wide_sum(sum.power);
+        pass->strain = strain > pass->strain ? strain : pass->strain;
+    }
+}
+
+/* One of each, so that a law's code stands where it is run. */
+#define FORCE_OF(name, kind)                                                                       \
+    static void name(ss_quadratic_pass *pass)                                                      \
+    {                                                                                              \
+        const int32_t straight = pass->blocks->straight_count, count = pass->blocks->count;        \
+        if (pass->v && pass->blocks->viscosity) {                                                  \
+            force_run(kind, false, true, pass, 0, straight);                                       \
+            force_run(kind, true, true, pass, straight, count);                                    \
+        } else {                                                                                   \
+            force_run(kind, false, false, pass, 0, straight);                                      \
+            force_run(kind, true, false, pass, straight, count);                                   \
+        }                                                                                          \
+    }
+FORCE_OF(force_stvk_guarded, SS_TISSUE_STVK_GUARDED)
+FORCE_OF(force_stvk, SS_TISSUE_STVK)
+FORCE_OF(force_neo_hookean, SS_TISSUE_NEO_HOOKEAN)
+FORCE_OF(force_stable_neo_hookean, SS_TISSUE_STABLE_NEO_HOOKEAN)
+FORCE_OF(force_linear, SS_TISSUE_LINEAR)
+
+static void force(ss_quadratic_pass *pass)
+{
+    static void (*const of[SS_TISSUE_KIND_COUNT])(ss_quadratic_pass *) = {
+        [SS_TISSUE_STVK_GUARDED] = force_stvk_guarded,
+        [SS_TISSUE_STVK] = force_stvk,
+        [SS_TISSUE_NEO_HOOKEAN] = force_neo_hookean,
+        [SS_TISSUE_STABLE_NEO_HOOKEAN] = force_stable_neo_hookean,
+        [SS_TISSUE_LINEAR] = force_linear};
+    of[pass->kind](pass);
+}
+
+/* ---- tangents ---- */
+
+SS_INLINE void tangent_block(ss_tissue_kind kind, bool is_curved, const ss_quadratic_pass *pass,
+                             int32_t block, int lane)
+{
+    const cell c = cell_at(pass->blocks, is_curved, false, block, lane);
+    nodal u, x;
+    tensor h[POINTS], dh[POINTS];
+    columns f;
+    ss_wide change = all(0.0);
+    load(&c, pass->u, &u);
+    load(&c, pass->x, &x);
+    const ss_wide pressure = c.shared * gradients(kind, is_curved, &c, &u, h);
+    for (int q = 0; q < POINTS; ++q) {
+        ss_wide share;
+        const element e = point_at(&c, is_curved, q, &share);
+        dh[q] = point_gradient(&e, &x, q);
+        change = ss_wide_fma(share, resisted_change(kind, &h[q], &dh[q]), change);
+    }
+    change = c.shared * change;
+    clear(&f);
+    for (int q = 0; q < POINTS; ++q) {
+        ss_wide share;
+        element e = point_at(&c, is_curved, q, &share);
+        e.h = h[q];
+        e.pressure = share * pressure;
+        const tensor p = stress_change(kind, &e, &dh[q], share * change);
+        add_point(&e, &p, q, &f);
+    }
+    spread_columns(&c, &f, 1.0, pass->out);
+}
+
+SS_INLINE void tangent_of(ss_tissue_kind kind, const ss_quadratic_pass *pass)
+{
+    const ss_quadratic_blocks *blocks = pass->blocks;
+    for (int32_t b = 0; b < blocks->straight_count; ++b) {
+        for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
+            tangent_block(kind, false, pass, b, lane);
+        }
+    }
+    for (int32_t b = blocks->straight_count; b < blocks->count; ++b) {
+        for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
+            tangent_block(kind, true, pass, b, lane);
+        }
+    }
+}
+
+static void tangent(ss_quadratic_pass *pass)
+{
+    switch (pass->kind) {
+#define CASE(kind)                                                                                 \
+    case kind:                                                                                     \
+        tangent_of(kind, pass);                                                                    \
+        break
+        EACH_LAW(CASE)
+#undef CASE
+    case SS_TISSUE_KIND_COUNT:
+        break;
+    }
+}
+
+/* ---- volume ---- */
+
+static void ratio(const ss_quadratic_pass *pass, ss_real *out_ratio)
+{
+    for (int32_t b = 0; b < pass->blocks->count; ++b) {
+        const bool is_curved = b >= pass->blocks->straight_count;
+        for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
+            const cell c = cell_at(pass->blocks, is_curved, false, b, lane);
+            nodal u;
+            ss_wide least = all(2.0);
+            load(&c, pass->u, &u);
+            for (int q = 0; q < POINTS; ++q) {
+                ss_wide share;
+                const element e = point_at(&c, is_curved, q, &share);
+                const tensor h = point_gradient(&e, &u, q);
+                const ss_wide j = above_guard(&h) + all(SS_TISSUE_GUARD);
+                least = ss_wide_below(j, least, j, least);
+            }
+            ss_wide_store(out_ratio + (ptrdiff_t)b * LANES + lane, least);
+        }
+    }
+}
+
+/* ---- the table ---- */
+
+SS_KERNEL_TABLE(ss_quadratic_kernels, .force = force, .tangent = tangent, .ratio = ratio);

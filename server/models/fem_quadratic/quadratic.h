@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * A volume of ten-node tetrahedra as an elastic body: mesh, masses, forces, stable step. Private to
+ * `fem-quadratic`; the method stands in fem_quadratic.c.
+ *
+ * raise.c makes the mesh with a node on every side out of the scene's, and the plan that speaks of
+ * it; blocks.c lays the elements out for kernels.c; mass.c has masses and how much of them is added
+ * for the sake of the step; stability.c the stable step.
+ * Memory: in the arena given. Thread: what creates, set-up only; the rest by the simulation thread,
+ * RT-safe and deterministic.
+ */
+#include "models/common/body.h"
+#include "models/common/fem_elastic.h"
+#include "models/fem_quadratic/kernels.h"
+
+/* Sub-steps take this share of the stable step. */
+#define SS_QUADRATIC_STEP_SHARE 0.75
+
+/* ---- raise.c ---- */
+
+/* The scene's plan in terms of the raised mesh: its nodes are the given mesh's and then one for
+ * each side of a tetrahedron; each triangle of its surface is one of the four into which the
+ * middles of its sides cut a given one (the i-th into 4i .. 4i + 3, the one in the middle last);
+ * tetrahedra are the given mesh's, by their corners. */
+typedef struct ss_quadratic_raised {
+    ss_mesh mesh;
+    ss_model_plan plan;
+    int32_t (*node)[SS_QUADRATIC_NODES]; /* of each tetrahedron, in the order of kernels.h */
+    int32_t corner_count;                /* nodes of the given mesh */
+    int32_t curved_side_count, straightened_side_count;
+} ss_quadratic_raised;
+
+/* A side's node is held, loaded or prescribed where both ends are and the side lies on the
+ * surface, or where a whole tetrahedron around it is. `is_curved`: sides of the surface follow its
+ * normals. */
+softsim_status ss_quadratic_raise(const ss_model_plan *plan, bool is_curved, ss_arena *arena,
+                                  ss_quadratic_raised *out, softsim_error *error);
+
+/* ---- blocks.c ---- */
+
+/* The rest map at a Gauss point. */
+typedef struct ss_quadratic_point {
+    double gradient[4][3]; /* of the barycentric coordinates, 1/m */
+    double volume;         /* m^3, what the point stands for */
+} ss_quadratic_point;
+
+/* The four points of the element with these nodes; true where its sides are straight. */
+bool ss_quadratic_points(const ss_mesh *mesh, const int32_t node[SS_QUADRATIC_NODES],
+                         ss_quadratic_point out[SS_QUADRATIC_POINTS]);
+/* Gradients of the ten shape functions at Gauss point q. */
+void ss_quadratic_shape(const ss_quadratic_point *point, int q, double out[SS_QUADRATIC_NODES][3]);
+/* False when out of memory. */
+bool ss_quadratic_blocks_create(const ss_quadratic_raised *raised, const ss_fem_material *material,
+                                ss_arena *arena, ss_quadratic_blocks *out);
+
+/* ---- mass.c ---- */
+
+typedef struct ss_quadratic_masses {
+    double *mass;       /* kg, of every node of the raised mesh */
+    double bound;       /* 1/s^2, the largest omega^2 of an element: none of the body's is larger */
+    double plain_bound; /* the same before mass was added */
+    double added_share; /* of the whole mass */
+    int32_t scaled_count;
+} ss_quadratic_masses;
+
+/* Adds at most `most` of the whole mass to the elements with the shortest step. */
+softsim_status ss_quadratic_masses_create(const ss_quadratic_raised *raised,
+                                          const ss_fem_material *material, double most,
+                                          ss_arena *arena, ss_quadratic_masses *out);
+
+/* ---- stability.c ---- */
+
+typedef struct ss_quadratic_stability {
+    double bound;      /* 1/s^2, of any element at rest */
+    double rest_rate2; /* omega_max^2 at rest, from above, 1/s^2 */
+    ss_real *mobility; /* quads, 1/kg */
+    ss_real *mode, *product, *rest_mode;
+    ss_real *ratio; /* [block][8]: scratch */
+    double rate2;   /* of the state at the last look, from above */
+    double strain_at_power_step;
+    double strain; /* largest |2E| since stable_step was called last */
+    int32_t age;   /* calls since the last power step */
+    int32_t squeezed, inverted, worst;
+} ss_quadratic_stability;
+
+typedef struct ss_quadratic {
+    const ss_quadratic_kernels *kernels;
+    ss_quadratic_blocks blocks;
+    ss_quadratic_stability stability;
+    ss_tissue_kind kind;
+    ss_body_integrator integrator;
+    double viscous_time, mass_damping; /* s, 1/s */
+    double *diagonal;                  /* N/m, a node's mean at rest */
+    const ss_real *u;                  /* of the last force */
+} ss_quadratic;
+
+softsim_status ss_quadratic_create(const ss_quadratic_raised *raised,
+                                   const ss_fem_material *material,
+                                   const ss_quadratic_masses *masses, ss_arena *arena,
+                                   ss_quadratic *out);
+/* s, at rest. */
+double ss_quadratic_rest_step(const ss_quadratic *quadratic);
+/* What ss_body_elastic asks for; `owner` is the ss_quadratic. */
+void ss_quadratic_force(void *owner, const ss_real *u, const ss_real *v, ss_real *force,
+                        ss_body_energy *out);
+void ss_quadratic_tangent(void *owner, const ss_real *x, ss_real *out);
+void ss_quadratic_diagonal(void *owner, double *diagonal);
+double ss_quadratic_stable_step(void *owner, const ss_body *body);
+void ss_quadratic_reset(void *owner);
+uint64_t ss_quadratic_hash(const void *owner, uint64_t seed);
+/* Says so to the body where elements are squeezed or turned inside out; after stable_step. */
+void ss_quadratic_judge(const ss_quadratic *quadratic, ss_body *body);

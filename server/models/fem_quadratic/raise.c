@@ -1,0 +1,411 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "models/fem_quadratic/quadratic.h"
+/*
+ * A mesh of four-node tetrahedra becomes one of ten nodes.
+ *
+ * Sides are numbered as the elements name them first, so that equal meshes give equal numbers and
+ * neighbours stay near in memory. Everything that a plan says of nodes is said of the new ones too;
+ * the body, its contact and its loads then need to know nothing of the elements.
+ *
+ * Curved sides. Where the surface is smooth the middle of a side lies on the cubic with the ends'
+ * positions and tangents, the side projected on their tangent planes (the edge of a curved PN
+ * triangle, Vlachos et al. 2001), at (a + b)/2 + (t_a - t_b)/8. A node's normal is the mean of its
+ * triangles', weighted by their angles. A side stays straight where its two triangles, or a normal
+ * and one of them, differ by more than CREASE: there the body has an edge. Sources that know the
+ * true shape would be better; the mean of the surface's own facets is what is always there.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+static const int ends[SS_QUADRATIC_SIDES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+/* cos 40 degrees: the sides of a solid's facets meet at less where it is meshed well. */
+#define CREASE 0.766
+/* An element whose Jacobian at a Gauss point is below this share of its mean stays straight. */
+#define LEAST_JACOBIAN 0.2
+
+/* Sides by their lower node: chains. */
+typedef struct sides {
+    int32_t node_count, count;
+    int32_t *first, *next, *low, *high;
+    uint8_t *is_surface;
+    int32_t *triangle; /* two of each side: -1 none */
+} sides;
+
+static void sides_free(sides *s)
+{
+    ss_memory_free(s->first);
+    ss_memory_free(s->next);
+    ss_memory_free(s->low);
+    ss_memory_free(s->high);
+    ss_memory_free(s->is_surface);
+    ss_memory_free(s->triangle);
+}
+
+static bool sides_init(sides *s, const ss_mesh *mesh)
+{
+    const size_t most = SS_QUADRATIC_SIDES * (size_t)mesh->tetrahedron_count;
+    *s = (sides){.node_count = mesh->node_count,
+                 .first = ss_memory_get((size_t)mesh->node_count, sizeof(int32_t)),
+                 .next = ss_memory_get(most, sizeof(int32_t)),
+                 .low = ss_memory_get(most, sizeof(int32_t)),
+                 .high = ss_memory_get(most, sizeof(int32_t)),
+                 .is_surface = ss_memory_get(most, 1),
+                 .triangle = ss_memory_get(2 * most, sizeof(int32_t))};
+    if (!s->first || !s->next || !s->low || !s->high || !s->is_surface || !s->triangle) {
+        return false;
+    }
+    memset(s->first, 0xff, (size_t)mesh->node_count * sizeof *s->first);
+    memset(s->triangle, 0xff, 2 * most * sizeof *s->triangle);
+    return true;
+}
+
+/* The number of the side a-b, -1 if there is none yet. */
+static int32_t find(const sides *s, int32_t a, int32_t b)
+{
+    const int32_t low = a < b ? a : b, high = a < b ? b : a;
+    int32_t k = s->first[low];
+    while (k >= 0 && s->high[k] != high) {
+        k = s->next[k];
+    }
+    return k;
+}
+
+static int32_t add(sides *s, int32_t a, int32_t b)
+{
+    int32_t k = find(s, a, b);
+    if (k < 0) {
+        k = s->count++;
+        s->low[k] = a < b ? a : b;
+        s->high[k] = a < b ? b : a;
+        s->next[k] = s->first[s->low[k]];
+        s->first[s->low[k]] = k;
+    }
+    return k;
+}
+
+/* ---- the mesh ---- */
+
+/* Each triangle in four; false where the surface is not the elements'. */
+static bool split_surface(const ss_mesh *mesh, sides *s, int32_t (*out)[3])
+{
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        int32_t m[3];
+        for (int k = 0; k < 3; ++k) {
+            const int32_t e = find(s, c[k], c[(k + 1) % 3]);
+            if (e < 0) {
+                return false;
+            }
+            s->is_surface[e] = 1;
+            s->triangle[2 * e + (s->triangle[2 * e] >= 0)] = t;
+            m[k] = s->node_count + e;
+        }
+        int32_t(*four)[3] = out + 4 * (ptrdiff_t)t;
+        for (int k = 0; k < 3; ++k) {
+            four[k][0] = c[k];
+            four[k][1] = m[k];
+            four[k][2] = m[(k + 2) % 3];
+            four[3][k] = m[k];
+        }
+    }
+    return true;
+}
+
+static void triangle_vector(const ss_mesh *mesh, int32_t t, double out[3])
+{
+    double a[3], b[3];
+    const int32_t *c = mesh->triangle[t];
+    ss_sub3(a, mesh->position[c[1]], mesh->position[c[0]]);
+    ss_sub3(b, mesh->position[c[2]], mesh->position[c[0]]);
+    ss_cross3(out, a, b);
+    const double size = ss_norm3(out);
+    ss_scale3(out, out, size > 0.0 ? 1.0 / size : 0.0);
+}
+
+/* Unit normals of the surface's nodes, weighted by angles. */
+static void node_normals(const ss_mesh *mesh, double (*out)[3])
+{
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        double n[3];
+        triangle_vector(mesh, t, n);
+        for (int k = 0; k < 3; ++k) {
+            const int32_t *c = mesh->triangle[t];
+            double a[3], b[3], cross[3];
+            ss_sub3(a, mesh->position[c[(k + 1) % 3]], mesh->position[c[k]]);
+            ss_sub3(b, mesh->position[c[(k + 2) % 3]], mesh->position[c[k]]);
+            ss_cross3(cross, a, b);
+            const double angle = atan2(ss_norm3(cross), ss_dot3(a, b));
+            for (int i = 0; i < 3; ++i) {
+                out[c[k]][i] += angle * n[i];
+            }
+        }
+    }
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        const double size = ss_norm3(out[i]);
+        ss_scale3(out[i], out[i], size > 0.0 ? 1.0 / size : 0.0);
+    }
+}
+
+/* Moves the middle of side k off the straight one; false where it stays. */
+static bool curve_side(const ss_mesh *mesh, const sides *s, const double (*normal)[3], int32_t k,
+                       double position[3])
+{
+    const int32_t node[2] = {s->low[k], s->high[k]};
+    double d[3], face[2][3];
+    ss_sub3(d, mesh->position[node[1]], mesh->position[node[0]]);
+    for (int f = 0; f < 2; ++f) {
+        if (s->triangle[2 * k + f] < 0) {
+            return false;
+        }
+        triangle_vector(mesh, s->triangle[2 * k + f], face[f]);
+    }
+    bool is_smooth = ss_dot3(face[0], face[1]) > CREASE;
+    for (int e = 0; e < 4; ++e) {
+        is_smooth = is_smooth && ss_dot3(face[e / 2], normal[node[e % 2]]) > CREASE;
+    }
+    for (int e = 0; is_smooth && e < 2; ++e) {
+        const double *n = normal[node[e]];
+        for (int i = 0; i < 3; ++i) {
+            position[i] += (e == 0 ? -0.125 : 0.125) * ss_dot3(d, n) * n[i];
+        }
+    }
+    return is_smooth;
+}
+
+/* Sides of elements that would be bent too far become straight, all sides of such an element. */
+static void straighten(const sides *s, ss_quadratic_raised *raised, uint8_t *is_curved)
+{
+    ss_mesh *mesh = &raised->mesh;
+    bool is_again = true;
+    while (is_again) {
+        is_again = false;
+        for (int32_t t = 0; t < mesh->tetrahedron_count; ++t) {
+            ss_quadratic_point point[SS_QUADRATIC_POINTS];
+            double least = (double)INFINITY, mean = 0.0;
+            const int32_t *node = raised->node[t];
+            bool is_bent = false;
+            for (int k = 4; k < SS_QUADRATIC_NODES; ++k) {
+                is_bent = is_bent || is_curved[node[k] - s->node_count];
+            }
+            if (!is_bent) {
+                continue;
+            }
+            (void)ss_quadratic_points(mesh, node, point);
+            for (int q = 0; q < SS_QUADRATIC_POINTS; ++q) {
+                least = fmin(least, point[q].volume);
+                mean += 0.25 * point[q].volume;
+            }
+            if (least >= LEAST_JACOBIAN * mean) {
+                continue;
+            }
+            for (int k = 4; k < SS_QUADRATIC_NODES; ++k) {
+                const int32_t e = node[k] - s->node_count;
+                if (is_curved[e]) {
+                    is_curved[e] = 0;
+                    is_again = true;
+                    --raised->curved_side_count;
+                    ++raised->straightened_side_count;
+                    for (int i = 0; i < 3; ++i) {
+                        mesh->position[node[k]][i] =
+                            0.5 * (mesh->position[s->low[e]][i] + mesh->position[s->high[e]][i]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+static bool curve(const ss_mesh *given, const sides *s, ss_quadratic_raised *raised)
+{
+    double(*normal)[3] = ss_memory_get((size_t)given->node_count, sizeof *normal);
+    uint8_t *is_curved = ss_memory_get((size_t)s->count, 1);
+    const bool is_good = normal && is_curved;
+    if (is_good) {
+        node_normals(given, normal);
+        for (int32_t k = 0; k < s->count; ++k) {
+            is_curved[k] = s->is_surface[k] && curve_side(given, s, (const double(*)[3])normal, k,
+                                                          raised->mesh.position[s->node_count + k]);
+            raised->curved_side_count += is_curved[k];
+        }
+        straighten(s, raised, is_curved);
+    }
+    ss_memory_free(normal);
+    ss_memory_free(is_curved);
+    return is_good;
+}
+
+/* ---- the plan ---- */
+
+/* A set of given nodes, by `bits` of each, goes on to the sides. */
+static void spread_bits(const sides *s, const ss_quadratic_raised *raised, uint8_t *bits)
+{
+    uint8_t *of_side = bits + s->node_count;
+    for (int32_t k = 0; k < s->count; ++k) {
+        const uint8_t both = bits[s->low[k]] & bits[s->high[k]];
+        of_side[k] = s->is_surface[k] ? both : 0;
+    }
+    for (int32_t t = 0; t < raised->mesh.tetrahedron_count; ++t) {
+        const int32_t *node = raised->node[t];
+        const uint8_t all = bits[node[0]] & bits[node[1]] & bits[node[2]] & bits[node[3]];
+        for (int k = 4; all && k < SS_QUADRATIC_NODES; ++k) {
+            bits[node[k]] |= all;
+        }
+    }
+}
+
+/* `node` and the sides between them; the numbers before and after that are the same. */
+static int32_t *extend(const sides *s, const ss_quadratic_raised *raised, const int32_t *node,
+                       int32_t count, ss_arena *arena, int32_t *out_count)
+{
+    uint8_t *bits = ss_memory_get((size_t)raised->mesh.node_count, 1);
+    int32_t more = 0, *out = NULL;
+    if (bits) {
+        for (int32_t i = 0; i < count; ++i) {
+            bits[node[i]] = 1;
+        }
+        spread_bits(s, raised, bits);
+        for (int32_t k = 0; k < s->count; ++k) {
+            more += bits[s->node_count + k];
+        }
+        out = ss_arena_get(arena, (size_t)(count + more), sizeof *out);
+    }
+    if (out) {
+        memcpy(out, node, (size_t)count * sizeof *out);
+        int32_t at = count;
+        for (int32_t k = 0; k < s->count; ++k) {
+            if (bits[s->node_count + k]) {
+                out[at++] = s->node_count + k;
+            }
+        }
+        *out_count = at;
+    }
+    ss_memory_free(bits);
+    return out;
+}
+
+static bool extend_prescribed(const sides *s, const ss_quadratic_raised *raised,
+                              const ss_prescribed *given, ss_arena *arena, ss_prescribed *out)
+{
+    *out = *given;
+    int32_t *place = ss_memory_get((size_t)s->node_count, sizeof *place);
+    out->node = extend(s, raised, given->node, given->node_count, arena, &out->node_count);
+    out->displacement = ss_arena_get(arena, (size_t)out->node_count, sizeof *out->displacement);
+    if (!place || !out->node || !out->displacement) {
+        ss_memory_free(place);
+        return false;
+    }
+    for (int32_t i = 0; i < given->node_count; ++i) {
+        place[given->node[i]] = i;
+        ss_copy3(out->displacement[i], given->displacement[i]);
+    }
+    for (int32_t i = given->node_count; i < out->node_count; ++i) {
+        const int32_t k = out->node[i] - s->node_count;
+        const double *a = given->displacement[place[s->low[k]]];
+        const double *b = given->displacement[place[s->high[k]]];
+        for (int axis = 0; axis < 3; ++axis) {
+            out->displacement[i][axis] = 0.5 * (a[axis] + b[axis]);
+        }
+    }
+    ss_memory_free(place);
+    return true;
+}
+
+static bool extend_plan(const sides *s, const ss_model_plan *plan, ss_arena *arena,
+                        ss_quadratic_raised *raised)
+{
+    uint8_t *fixed = ss_arena_get(arena, (size_t)raised->mesh.node_count, 1);
+    ss_load *load = ss_arena_get(arena, (size_t)plan->load_count, sizeof *load);
+    ss_prescribed *prescribed =
+        ss_arena_get(arena, (size_t)plan->prescribed_count, sizeof *prescribed);
+    bool is_good = fixed && load && prescribed;
+    if (is_good) {
+        memcpy(fixed, plan->fixed, (size_t)s->node_count);
+        spread_bits(s, raised, fixed);
+    }
+    for (int32_t k = 0; is_good && k < plan->load_count; ++k) {
+        load[k] = plan->load[k];
+        load[k].node = extend(s, raised, plan->load[k].node, plan->load[k].node_count, arena,
+                              &load[k].node_count);
+        is_good = load[k].node != NULL;
+    }
+    for (int32_t k = 0; is_good && k < plan->prescribed_count; ++k) {
+        is_good = extend_prescribed(s, raised, &plan->prescribed[k], arena, &prescribed[k]);
+    }
+    raised->plan = *plan;
+    raised->plan.mesh = &raised->mesh;
+    raised->plan.fixed = fixed;
+    raised->plan.load = load;
+    raised->plan.prescribed = prescribed;
+    return is_good;
+}
+
+/* ---- all of it ---- */
+
+static bool make_mesh(const ss_mesh *given, sides *s, ss_arena *arena, ss_quadratic_raised *out,
+                      bool *out_is_own)
+{
+    const size_t elements = (size_t)given->tetrahedron_count;
+    out->node = ss_arena_get(arena, elements, sizeof *out->node);
+    if (!out->node) {
+        return false;
+    }
+    for (int32_t t = 0; t < given->tetrahedron_count; ++t) {
+        const int32_t *c = given->tetrahedron[t];
+        memcpy(out->node[t], c, 4 * sizeof *c);
+        for (int k = 0; k < SS_QUADRATIC_SIDES; ++k) {
+            out->node[t][4 + k] = given->node_count + add(s, c[ends[k][0]], c[ends[k][1]]);
+        }
+    }
+    const int32_t count = given->node_count + s->count;
+    out->corner_count = given->node_count;
+    out->mesh = (ss_mesh){
+        .node_count = count,
+        .triangle_count = 4 * given->triangle_count,
+        .tetrahedron_count = given->tetrahedron_count,
+        .tetrahedron = given->tetrahedron,
+        .file_element = given->file_element,
+        .is_closed = given->is_closed,
+        .position = ss_arena_get(arena, (size_t)count, sizeof(double[3])),
+        .triangle = ss_arena_get(arena, 4 * (size_t)given->triangle_count, sizeof(int32_t[3])),
+        .file_node = ss_arena_get(arena, (size_t)count, sizeof(int32_t))};
+    if (!out->mesh.position || !out->mesh.triangle || !out->mesh.file_node) {
+        return false;
+    }
+    for (int32_t i = 0; i < given->node_count; ++i) {
+        ss_copy3(out->mesh.position[i], given->position[i]);
+        out->mesh.file_node[i] = ss_mesh_file_node(given, i);
+    }
+    for (int32_t k = 0; k < s->count; ++k) { /* messages name an end */
+        const int32_t node = given->node_count + k;
+        out->mesh.file_node[node] = ss_mesh_file_node(given, s->low[k]);
+        ss_add3(out->mesh.position[node], given->position[s->low[k]], given->position[s->high[k]]);
+        ss_scale3(out->mesh.position[node], out->mesh.position[node], 0.5);
+    }
+    *out_is_own = split_surface(given, s, out->mesh.triangle);
+    return true;
+}
+
+softsim_status ss_quadratic_raise(const ss_model_plan *plan, bool is_curved, ss_arena *arena,
+                                  ss_quadratic_raised *out, softsim_error *error)
+{
+    sides s;
+    bool is_own = true;
+    *out = (ss_quadratic_raised){0};
+    const bool is_good = sides_init(&s, plan->mesh) &&
+                         make_mesh(plan->mesh, &s, arena, out, &is_own) &&
+                         (!is_own || !is_curved || curve(plan->mesh, &s, out)) &&
+                         (!is_own || extend_plan(&s, plan, arena, out));
+    sides_free(&s);
+    if (!is_own) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE, "%s",
+                          "fem-quadratic: the surface has a side that no tetrahedron has: give a "
+                          "mesh whose surface is that of its tetrahedra");
+        return SOFTSIM_ERROR_SCENE;
+    }
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
+}
