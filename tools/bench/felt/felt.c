@@ -9,8 +9,6 @@
  *
  * A run is one scene and one path, with all its rates: they share the references.
  */
-#include <ctype.h>
-#include <glob.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,11 +16,12 @@
 #include <unistd.h>
 
 #include "bench/bench.h"
-#include "bench/core/child.h"
 #include "bench/core/report.h"
 #include "bench/core/sweep.h"
 #include "bench/felt/hands.h"
 #include "bench/felt/play.h"
+#include "bench/felt/scenes.h"
+#include "bench/felt/slide.h"
 #include "process.h"
 #include "rt/args.h"
 #include "rt/hash.h"
@@ -30,7 +29,7 @@
 #include "rt/vec.h"
 #include "world/world.h"
 
-enum { MAX_SCENES = 64, MAX_RATES = 16, MAX_DELAYS = 8, PATH_SIZE = 4352 };
+enum { MAX_RATES = 16, MAX_DELAYS = 8 };
 static const double reference_hz = 1000.0, finest_hz = 1e4;
 static const double run_timeout_s = 1800.0;
 /* Just noticeable, and still usable: shares of the mean force; J. */
@@ -43,27 +42,14 @@ typedef struct report {
     const char *out;
     ss_arg_list scene_list, set;
     const char *rates, *delays;
-    bool is_quick, is_hands;
+    bool is_quick, is_hands, is_slide;
     int64_t jobs;
-    char scene[MAX_SCENES][PATH_SIZE];
-    int32_t scene_count;
-    bool is_bundled; /* no scene was asked for: those without a tool are left out */
+    ss_felt_scenes scenes;
     double rate_hz[MAX_RATES];
     int32_t rate_count;
     int32_t delay_ms[MAX_DELAYS];
     int32_t delay_count;
 } report;
-
-/* A scene's name: its file without folder and ending, as files and gnuplot take it. */
-static void name_of(const char *path, char *out, size_t size)
-{
-    const char *slash = strrchr(path, '/');
-    const char *name = slash ? slash + 1 : path;
-    snprintf(out, size, "%.*s", (int)strcspn(name, "."), name);
-    for (char *c = out; *c != '\0'; ++c) {
-        *c = isalnum((unsigned char)*c) || *c == '-' ? *c : '_';
-    }
-}
 
 /* The rate that is run: a step is a whole number of haptic periods. */
 static double run_hz(double rate_hz)
@@ -76,7 +62,7 @@ static double run_hz(double rate_hz)
 typedef struct job {
     const report *r;
     const char *scene;
-    char name[128];
+    char name[SS_FELT_NAME_SIZE];
     const char *model;
     ss_felt_path path;
     ss_felt_place place;
@@ -242,10 +228,10 @@ static softsim_status run_one(const void *context, int32_t index, FILE *out, sof
     const int32_t model_count = ss_world_scene_models(models);
     ss_scene *scene = NULL;
     job j = {.r = r,
-             .scene = r->scene[index / SS_FELT_PATHS],
+             .scene = r->scenes.path[index / SS_FELT_PATHS],
              .path = (ss_felt_path)(index % SS_FELT_PATHS),
              .out = out};
-    name_of(j.scene, j.name, sizeof j.name);
+    ss_felt_name(j.scene, j.name);
     softsim_status status = ss_scene_load(j.scene, r->set.value, r->set.count, models, model_count,
                                           NULL, &scene, error);
     if (status != SOFTSIM_OK) {
@@ -254,7 +240,7 @@ static softsim_status run_one(const void *context, int32_t index, FILE *out, sof
     j.model = models[scene->model_index].name;
     if (!ss_felt_find_place(scene, &j.place)) {
         ss_scene_destroy(&scene);
-        if (r->is_bundled) {
+        if (r->scenes.is_bundled) {
             return SOFTSIM_OK;
         }
         status = SOFTSIM_ERROR_SCENE;
@@ -282,7 +268,7 @@ static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZ
     for (int32_t i = 0; i < r->set.count; ++i) {
         hash = ss_hash_bytes(hash, r->set.value[i], strlen(r->set.value[i]));
     }
-    snprintf(out, SS_SWEEP_NAME_SIZE, "%.180s,%s,%d,%016llx", r->scene[index / SS_FELT_PATHS],
+    snprintf(out, SS_SWEEP_NAME_SIZE, "%.180s,%s,%d,%016llx", r->scenes.path[index / SS_FELT_PATHS],
              ss_felt_path_name((ss_felt_path)(index % SS_FELT_PATHS)), r->is_quick,
              (unsigned long long)hash);
 }
@@ -314,9 +300,9 @@ static softsim_status plot_scene(const report *r, const ss_sweep_result *result,
                                  ss_page *page, softsim_error *error)
 {
     ss_output script;
-    char name[128], picture[160];
+    char name[SS_FELT_NAME_SIZE], picture[160];
     int32_t panels = 0;
-    name_of(r->scene[scene], name, sizeof name);
+    ss_felt_name(r->scenes.path[scene], name);
     for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
         panels += has_rows(&result->run[scene * SS_FELT_PATHS + p]);
     }
@@ -409,13 +395,13 @@ static softsim_status write_page(const report *r, const ss_sweep_result *result,
                "hand was driven. Rows of 1000 Hz without delay are compared with 10,000 Hz. Good: "
                "p99 up to 7 %%, held within 2 %%, static within 3 %%, net from -1 mJ. Fair: 20 %% "
                "and -10 mJ. The device's path is given: how a hand gives way is not in here.");
-    for (int32_t s = 0; s < r->scene_count && status == SOFTSIM_OK; ++s) {
-        char name[128];
-        if (r->is_bundled && !result->run[s * SS_FELT_PATHS].is_lost &&
+    for (int32_t s = 0; s < r->scenes.count && status == SOFTSIM_OK; ++s) {
+        char name[SS_FELT_NAME_SIZE];
+        if (r->scenes.is_bundled && !result->run[s * SS_FELT_PATHS].is_lost &&
             !has_rows(&result->run[s * SS_FELT_PATHS])) {
             continue; /* without a tool */
         }
-        name_of(r->scene[s], name, sizeof name);
+        ss_felt_name(r->scenes.path[s], name);
         ss_page_heading(&page, name);
         ss_page_table_begin(&page, (int32_t)(sizeof columns / sizeof *columns), columns);
         for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
@@ -447,8 +433,8 @@ static void print_rows(const report *r, const ss_sweep_result *result)
     puts(head);
     for (int32_t i = 0; i < result->count; ++i) {
         if (result->run[i].is_lost) {
-            char name[128];
-            name_of(r->scene[i / SS_FELT_PATHS], name, sizeof name);
+            char name[SS_FELT_NAME_SIZE];
+            ss_felt_name(r->scenes.path[i / SS_FELT_PATHS], name);
             printf("%s, %s: not run: %s\n", name,
                    ss_felt_path_name((ss_felt_path)(i % SS_FELT_PATHS)), result->run[i].text);
         } else {
@@ -459,33 +445,6 @@ static void print_rows(const report *r, const ss_sweep_result *result)
 }
 
 /* ---- options ---- */
-
-static void add_scene(report *r, const char *path)
-{
-    if (r->scene_count < MAX_SCENES) {
-        snprintf(r->scene[r->scene_count++], PATH_SIZE, "%s", path);
-    }
-}
-
-/* Every scene of a folder; true when there was one. */
-static bool add_folder(void *context, const char *folder)
-{
-    report *r = context;
-    char pattern[PATH_SIZE];
-    glob_t found;
-    snprintf(pattern, sizeof pattern, "%s/*.yaml", folder);
-    const bool is_good = glob(pattern, 0, NULL, &found) == 0;
-    for (size_t i = 0; is_good && i < found.gl_pathc; ++i) {
-        add_scene(r, found.gl_pathv[i]);
-    }
-    if (is_good) {
-        globfree(&found);
-    }
-    return r->scene_count > 0;
-}
-
-/* The bundled ones: of the source tree here or above the program, or as installed beside it. */
-static const char *const bundled[] = {"server/scenes", "share/softsim/scenes", NULL};
 
 int32_t ss_felt_numbers(const char *text, double low, double high, int32_t most, double *out)
 {
@@ -526,6 +485,8 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
         {"--out", SS_ARG_STRING, &r->out, 0, 0, "DIR", "for the report (felt-report)"},
         {"--hands", SS_ARG_FLAG, &r->is_hands, 0, 0, NULL,
          "simulated hands in closed loop in place of given paths; more: --hands --help"},
+        {"--slide", SS_ARG_FLAG, &r->is_slide, 0, 0, NULL,
+         "slides over the surface in place of all paths; more: --slide --help"},
     };
     const ss_args_result result = ss_args_parse(
         argc, argv, "[options]",
@@ -560,30 +521,7 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
                           "commas between them",
                           r->delays, MAX_DELAYS);
     }
-    for (int32_t i = 0; i < r->scene_list.count; ++i) {
-        add_scene(r, r->scene_list.value[i]);
-    }
-    for (int32_t i = 1; i < r->scene_count; ++i) {
-        char name[2][128];
-        name_of(r->scene[i], name[0], sizeof name[0]);
-        for (int32_t k = 0; k < i; ++k) {
-            name_of(r->scene[k], name[1], sizeof name[1]);
-            if (strcmp(name[0], name[1]) == 0) {
-                softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                                  "--scene: two scenes are called %s, and so would be their "
-                                  "pictures; report one of them, or rename it",
-                                  name[0]);
-            }
-        }
-    }
-    if (r->scene_count == 0) {
-        r->is_bundled = true;
-        ss_child_look_above(bundled, add_folder, r);
-    }
-    if (r->scene_count == 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "no bundled scenes beside this program; give one with --scene");
-    }
+    ss_felt_list_scenes(&r->scene_list, &r->scenes, error);
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
@@ -591,7 +529,7 @@ static softsim_status sweep_and_report(report *r, int32_t *out_lost, softsim_err
 {
     const ss_sweep sweep = {.folder = r->out,
                             .name = "felt",
-                            .count = r->scene_count * SS_FELT_PATHS,
+                            .count = r->scenes.count * SS_FELT_PATHS,
                             .jobs = (int32_t)r->jobs,
                             .timeout_s = run_timeout_s,
                             .context = r,
@@ -617,6 +555,9 @@ static int run_report(int argc, char **argv)
     for (int k = 1; k < argc; ++k) {
         if (strcmp(argv[k], "--hands") == 0) {
             return ss_felt_hands(argc, argv);
+        }
+        if (strcmp(argv[k], "--slide") == 0) {
+            return ss_felt_slide(argc, argv);
         }
     }
     report *r = calloc(1, sizeof *r);

@@ -18,7 +18,7 @@ static const int64_t ms_ns = 1000000;
 
 /* ---- playing ---- */
 
-static softsim_world *create(const char *scene, const ss_felt_run *run, softsim_error *error)
+softsim_world *ss_felt_world(const char *scene, const ss_felt_run *run, softsim_error *error)
 {
     const char *set[MAX_SET];
     char rate[64];
@@ -131,7 +131,7 @@ softsim_status ss_felt_play(const char *scene, const ss_felt_place *place, ss_fe
     }
     b->answer = answer;
     ss_corrector_init(&b->corrector, true);
-    world = create(scene, run, error);
+    world = ss_felt_world(scene, run, error);
     if (!world) {
         status = error->status;
         goto end;

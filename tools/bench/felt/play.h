@@ -11,6 +11,7 @@
  * Thread: main.
  */
 #include "bench/felt/path.h"
+#include "softsim/softsim.h"
 
 typedef struct ss_felt_run {
     double rate_hz;         /* of the simulation; beyond the haptic rate: both run at it */
@@ -30,6 +31,8 @@ typedef struct ss_felt_trace {
     char reason[128];
 } ss_felt_trace;
 
+/* The scene as such a run has it; NULL: `error` says why. */
+softsim_world *ss_felt_world(const char *scene, const ss_felt_run *run, softsim_error *error);
 softsim_status ss_felt_play(const char *scene, const ss_felt_place *place, ss_felt_path path,
                             const ss_felt_run *run, ss_felt_trace *out, softsim_error *error);
 void ss_felt_trace_fini(ss_felt_trace *trace);
