@@ -44,6 +44,17 @@ typedef struct ss_hints_fitted {
     bool needs_time; /* only a curve over time shows it */
     double start;    /* where the scene gives none; 0: then it is not fitted */
 } ss_hints_fitted;
+/* Those of a body whose material is Lame's or Young's. */
+#define SS_HINTS_MODULI                                                                            \
+    {"youngs_modulus_pa", false, 0.0}, {"lame_lambda_pa", false, 0.0},                             \
+    {                                                                                              \
+        "lame_mu_pa", false, 0.0                                                                   \
+    }
+#define SS_HINTS_VISCOSITIES                                                                       \
+    {"viscosity_phi_pa_s", true, 0.0},                                                             \
+    {                                                                                              \
+        "viscosity_psi_pa_s", true, 0.0                                                            \
+    }
 
 /* A parameter of a body of Young's modulus E in the stability report: factor (E / 10 kPa)^power. */
 typedef struct ss_hints_knob {

@@ -143,10 +143,20 @@ typedef struct ss_model_class {
     void (*set)(ss_model *model, int32_t index, double value);
 } ss_model_class;
 
-/* In a class: its table of parameters; its struct, and what makes and ends one. */
-#define SS_MODEL_ROWS(table) .row = (table), .row_count = (int32_t)(sizeof(table) / sizeof *(table))
-#define SS_MODEL_LIFE(type, build_it, destroy_it)                                                  \
-    .size = sizeof(type), .build = (build_it), .destroy = (destroy_it)
+/* A class, the object of that name, from its name in a scene, its help and the two below; the other
+ * fields, where they are not 0, stand behind. */
+#define SS_MODEL_CLASS(object, its_name, its_help, ...)                                            \
+    extern const ss_model_class object;                                                            \
+    const ss_model_class object = {.name = (its_name), .help = (its_help), __VA_ARGS__}
+/* What it is made of, by the names that its functions have. */
+#define SS_MODEL_PARTS(type, its_hints, rows, cost, build_it, destroy_it, step_it, explain_it)     \
+    .hints = (its_hints), .row = (rows), .row_count = (int32_t)(sizeof(rows) / sizeof *(rows)),    \
+    .step_cost_us = (cost), .size = sizeof(type), .build = (build_it), .destroy = (destroy_it),    \
+    .step = (step_it), .explain = (explain_it)
+/* And what tells its state. */
+#define SS_MODEL_STATE(contacts_of, reset_it, info_of, u_of, v_of, reaction_of, hash_of)           \
+    .contacts = (contacts_of), .reset = (reset_it), .info = (info_of), .displacement = (u_of),     \
+    .velocity = (v_of), .reaction = (reaction_of), .hash = (hash_of)
 
 /* A model of that class in *out_model; NULL after a failure. `error` may be NULL. Thread: set-up
  * only. */

@@ -116,16 +116,8 @@ static const ss_model_hints hints = {
     .has_force = true,
     .fitted = {{"stiffness_n_per_m3", false, 0.0}}};
 
-extern const ss_model_class ss_model_elastic_foundation;
-const ss_model_class ss_model_elastic_foundation = {
-    .name = "elastic-foundation",
-    .help = "a spring under every node: the pressure under a tool, no dent around it",
-    .hints = &hints,
-    SS_MODEL_ROWS(rows),
-    .step_cost_us = step_cost_us,
-    SS_MODEL_LIFE(ss_model, build, destroy),
-    .step = ss_body_model_step,
-    SS_BODY_CLASS,
-    .info = ss_body_model_info,
-    SS_BODY_MOTION,
-    .explain = explain};
+SS_MODEL_CLASS(ss_model_elastic_foundation, "elastic-foundation",
+               "a spring under every node: the pressure under a tool, no dent around it",
+               SS_MODEL_PARTS(ss_model, &hints, rows, step_cost_us, build, destroy,
+                              ss_body_model_step, explain),
+               SS_BODY_STATE(ss_body_model_info, SS_BODY_MOTION));

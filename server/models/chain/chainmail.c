@@ -528,21 +528,9 @@ static const ss_model_hints hints = {
     .variant = &variant,
     .variant_count = 1};
 
-extern const ss_model_class ss_model_chainmail;
-const ss_model_class ss_model_chainmail = {
-    .name = "chainmail",
-    .help = "the traditional ChainMail: chain elements move only where links leave their band",
-    .hints = &hints,
-    SS_MODEL_ROWS(rows),
-    .step_cost_us = step_cost_us,
-    SS_MODEL_LIFE(ss_model, build, destroy),
-    .step = step,
-    .contacts = ss_mail_contacts,
-    .reset = reset,
-    .info = info,
-    .displacement = displacement,
-    .velocity = velocity,
-    .reaction = reaction,
-    .hash = hash_state,
-    .explain = explain,
-    .has_no_energy = true};
+SS_MODEL_CLASS(ss_model_chainmail, "chainmail",
+               "the traditional ChainMail: chain elements move only where links leave their band",
+               SS_MODEL_PARTS(ss_model, &hints, rows, step_cost_us, build, destroy, step, explain),
+               SS_MODEL_STATE(ss_mail_contacts, reset, info, displacement, velocity, reaction,
+                              hash_state),
+               .has_no_energy = true);

@@ -298,20 +298,9 @@ static const ss_model_hints hints = {
     .variant = &variant,
     .variant_count = 1};
 
-extern const ss_model_class ss_model_cnn_chainmail;
-const ss_model_class ss_model_cnn_chainmail = {
-    .name = "cnn-chainmail",
-    .help = "a cellular neural network on the links of a chain mail, on surfaces and volumes",
-    .hints = &hints,
-    SS_MODEL_ROWS(ss_chain_rows),
-    .step_cost_us = ss_chain_step_cost_us,
-    SS_MODEL_LIFE(ss_model, build, destroy),
-    .step = ss_chain_step,
-    .contacts = ss_chain_contacts,
-    .reset = reset,
-    .info = info,
-    .displacement = displacement,
-    .velocity = velocity,
-    .reaction = reaction,
-    .hash = hash_state,
-    .explain = ss_chain_explain};
+SS_MODEL_CLASS(ss_model_cnn_chainmail, "cnn-chainmail",
+               "a cellular neural network on the links of a chain mail, on surfaces and volumes",
+               SS_MODEL_PARTS(ss_model, &hints, ss_chain_rows, ss_chain_step_cost_us, build,
+                              destroy, ss_chain_step, ss_chain_explain),
+               SS_MODEL_STATE(ss_chain_contacts, reset, info, displacement, velocity, reaction,
+                              hash_state));

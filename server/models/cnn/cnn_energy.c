@@ -469,21 +469,11 @@ static void set(ss_model *model, int32_t index, double value)
     model->is_ready = false;
 }
 
-extern const ss_model_class ss_model_cnn_energy;
-const ss_model_class ss_model_cnn_energy = {
-    .name = "cnn-energy",
-    .help = "a surface or volume in which a cellular neural network spreads the energy of contact",
-    .hints = &ss_cnn_hints,
-    SS_MODEL_ROWS(ss_cnn_rows_table),
-    .step_cost_us = ss_cnn_step_cost_us,
-    SS_MODEL_LIFE(ss_model, build, destroy),
-    .step = ss_cnn_step,
-    .contacts = ss_cnn_contacts,
-    .reset = reset,
-    .info = info,
-    .displacement = displacement,
-    .velocity = velocity,
-    .reaction = ss_cnn_reaction,
-    .hash = hash_state,
-    .explain = ss_cnn_explain,
-    .set = set};
+SS_MODEL_CLASS(
+    ss_model_cnn_energy, "cnn-energy",
+    "a surface or volume in which a cellular neural network spreads the energy of contact",
+    SS_MODEL_PARTS(ss_model, &ss_cnn_hints, ss_cnn_rows_table, ss_cnn_step_cost_us, build, destroy,
+                   ss_cnn_step, ss_cnn_explain),
+    SS_MODEL_STATE(ss_cnn_contacts, reset, info, displacement, velocity, ss_cnn_reaction,
+                   hash_state),
+    .set = set);

@@ -8,7 +8,7 @@
  *
  * In: the scene's plan, masses, and the elastic law as a few functions. Out: everything that
  * ss_model_class asks for. A model keeps an ss_body as the first member of its struct, fills
- * ss_body_elastic, and has SS_BODY_CLASS in its class; step, info where it has nothing to add.
+ * ss_body_elastic, and has SS_BODY_STATE in its class; step, info where it has nothing to add.
  * Explicit models name an integrator; implicit and position-based ones give `advance` and call the
  * pieces (ss_body_external, ss_body_contact_diagonal) themselves. body_step.c derives the energy
  * balance, body_felt.c the stiffness that a tool feels.
@@ -163,12 +163,12 @@ const ss_real *ss_body_model_velocity(const ss_model *model);
 void ss_body_model_reaction(const ss_model *model, int32_t set, double out_force[3]);
 uint64_t ss_body_model_hash(const ss_model *model, uint64_t seed);
 
-/* In such a class: what no model adds to, and where the mesh's nodes are the body's own. */
-#define SS_BODY_CLASS                                                                              \
-    .contacts = ss_body_model_contacts, .reset = ss_body_model_reset,                              \
-    .reaction = ss_body_model_reaction, .hash = ss_body_model_hash
-#define SS_BODY_MOTION                                                                             \
-    .displacement = ss_body_model_displacement, .velocity = ss_body_model_velocity
+/* SS_MODEL_STATE of such a class, by what gives info, displacement and velocity: those above where
+ * the model adds nothing to them (SS_BODY_MOTION are the last two). */
+#define SS_BODY_STATE(info_of, ...)                                                                \
+    SS_MODEL_STATE(ss_body_model_contacts, ss_body_model_reset, info_of, __VA_ARGS__,              \
+                   ss_body_model_reaction, ss_body_model_hash)
+#define SS_BODY_MOTION ss_body_model_displacement, ss_body_model_velocity
 
 /* ---- the same of the body, for models that add to it ---- */
 

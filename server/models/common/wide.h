@@ -45,6 +45,50 @@
     extern const kernels SS_KERNELS_HERE(kernels);                                                 \
     const kernels SS_KERNELS_HERE(kernels) = {.name = SS_KERNELS_NAME, __VA_ARGS__}
 
+/* ---- what vectors of every width do ---- */
+
+/* Lane by lane: loaded, stored, computed with; fma is a b + c, fnma is c - a b. */
+#define SS_VECTOR(vector, fused, fused_negative)                                                   \
+    SS_INLINE vector vector##_load(const ss_real *p)                                               \
+    {                                                                                              \
+        return *(const vector *)(const void *)p;                                                   \
+    }                                                                                              \
+    SS_INLINE void vector##_store(ss_real *p, vector a)                                            \
+    {                                                                                              \
+        *(vector *)(void *)p = a;                                                                  \
+    }                                                                                              \
+    SS_VECTOR_TWO(vector, add, a + b)                                                              \
+    SS_VECTOR_TWO(vector, sub, a - b)                                                              \
+    SS_VECTOR_TWO(vector, mul, (a) * (b))                                                          \
+    SS_VECTOR_TWO(vector, div, a / b)                                                              \
+    SS_INLINE vector vector##_fma(vector a, vector b, vector c)                                    \
+    {                                                                                              \
+        return fused;                                                                              \
+    }                                                                                              \
+    SS_INLINE vector vector##_fnma(vector a, vector b, vector c)                                   \
+    {                                                                                              \
+        return fused_negative;                                                                     \
+    }
+/* And by functions of the instruction set, op(name): the larger, the smaller of each lane (b's
+ * where a is not a number), the root. */
+#define SS_VECTOR_OPS(vector, op)                                                                  \
+    SS_VECTOR_TWO(vector, most, op(max)(a, b))                                                     \
+    SS_VECTOR_TWO(vector, least, op(min)(a, b))                                                    \
+    SS_INLINE vector vector##_root(vector a)                                                       \
+    {                                                                                              \
+        return op(sqrt)(a);                                                                        \
+    }
+#define SS_VECTOR_TWO(vector, name, result)                                                        \
+    SS_INLINE vector vector##_##name(vector a, vector b)                                           \
+    {                                                                                              \
+        return result;                                                                             \
+    }
+#ifdef SS_WIDE_AVX2
+#define SS_VECTOR_FUSED(vector, op) SS_VECTOR(vector, op(fmadd)(a, b, c), op(fnmadd)(a, b, c))
+#else
+#define SS_VECTOR_FUSED(vector, op) SS_VECTOR(vector, (a) * (b) + c, c - (a) * (b))
+#endif
+
 /* ---- quads ---- */
 
 /* The language's own vectors, so that one definition does for every processor; a function of the
@@ -59,87 +103,37 @@ typedef ss_real ss_quad __attribute__((vector_size(4 * sizeof(ss_real)), may_ali
 #define SS_QUAD_ABOVE(a, b) _mm256_cmp_pd(a, b, _CMP_GT_OQ)
 #endif
 
-SS_INLINE ss_quad ss_quad_load(const ss_real *p)
-{
-    return *(const ss_quad *)(const void *)p;
-}
-SS_INLINE void ss_quad_store(ss_real *p, ss_quad a)
-{
-    *(ss_quad *)(void *)p = a;
-}
+SS_VECTOR_FUSED(ss_quad, SS_QUAD_OP)
 SS_INLINE ss_quad ss_quad_all(ss_real s)
 {
     return (ss_quad){s, s, s, s};
 }
-SS_INLINE ss_quad ss_quad_add(ss_quad a, ss_quad b)
-{
-    return a + b;
-}
-SS_INLINE ss_quad ss_quad_sub(ss_quad a, ss_quad b)
-{
-    return a - b;
-}
-SS_INLINE ss_quad ss_quad_mul(ss_quad a, ss_quad b)
-{
-    return a * b;
-}
-SS_INLINE ss_quad ss_quad_div(ss_quad a, ss_quad b)
-{
-    return a / b;
-}
-/* a b + c */
-SS_INLINE ss_quad ss_quad_fma(ss_quad a, ss_quad b, ss_quad c)
-{
-#ifdef SS_WIDE_AVX2
-    return SS_QUAD_OP(fmadd)(a, b, c);
+#ifdef SS_QUAD_OP
+SS_VECTOR_OPS(ss_quad, SS_QUAD_OP)
 #else
-    return a * b + c;
-#endif
-}
-/* c - a b */
-SS_INLINE ss_quad ss_quad_fnma(ss_quad a, ss_quad b, ss_quad c)
-{
-#ifdef SS_WIDE_AVX2
-    return SS_QUAD_OP(fnmadd)(a, b, c);
-#else
-    return c - a * b;
-#endif
-}
-/* The larger, the smaller of each lane; b's where a is not a number. */
 SS_INLINE ss_quad ss_quad_most(ss_quad a, ss_quad b)
 {
-#ifdef SS_QUAD_OP
-    return SS_QUAD_OP(max)(a, b);
-#else
     for (int k = 0; k < 4; ++k) {
         a[k] = a[k] > b[k] ? a[k] : b[k];
     }
     return a;
-#endif
 }
 SS_INLINE ss_quad ss_quad_least(ss_quad a, ss_quad b)
 {
-#ifdef SS_QUAD_OP
-    return SS_QUAD_OP(min)(a, b);
-#else
     for (int k = 0; k < 4; ++k) {
         a[k] = a[k] < b[k] ? a[k] : b[k];
     }
     return a;
-#endif
 }
 SS_INLINE ss_quad ss_quad_root(ss_quad a)
 {
-#ifdef SS_QUAD_OP
-    return SS_QUAD_OP(sqrt)(a);
-#else
     for (int k = 0; k < 4; ++k) {
         a[k] = sizeof(ss_real) == sizeof(float) ? (ss_real)sqrtf((float)a[k])
                                                 : (ss_real)sqrt((double)a[k]);
     }
     return a;
-#endif
 }
+#endif
 /* The fourth lane 0. */
 SS_INLINE ss_quad ss_quad_xyz(ss_quad a)
 {
@@ -195,20 +189,15 @@ SS_INLINE double ss_quad_sum(ss_quad a)
 
 typedef ss_real ss_pair __attribute__((vector_size(8 * sizeof(ss_real)), may_alias));
 
+#define SS_PAIR_OP(name) _mm256_##name##_ps
+SS_VECTOR_FUSED(ss_pair, SS_PAIR_OP)
+SS_VECTOR_OPS(ss_pair, SS_PAIR_OP)
 /* Eight scalars from anywhere. */
 SS_INLINE ss_pair ss_pair_load_any(const ss_real *p)
 {
     ss_pair out;
     memcpy(&out, p, sizeof out);
     return out;
-}
-SS_INLINE ss_pair ss_pair_load(const ss_real *p)
-{
-    return *(const ss_pair *)(const void *)p;
-}
-SS_INLINE void ss_pair_store(ss_real *p, ss_pair a)
-{
-    *(ss_pair *)(void *)p = a;
 }
 SS_INLINE ss_pair ss_pair_of(ss_quad first, ss_quad second)
 {
@@ -231,42 +220,6 @@ SS_INLINE ss_pair ss_pair_each(const ss_real *p)
 {
     const __m256 both = _mm256_castpd_ps(_mm256_broadcast_sd((const double *)(const void *)p));
     return _mm256_permutevar_ps(both, _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1));
-}
-SS_INLINE ss_pair ss_pair_add(ss_pair a, ss_pair b)
-{
-    return a + b;
-}
-SS_INLINE ss_pair ss_pair_sub(ss_pair a, ss_pair b)
-{
-    return a - b;
-}
-SS_INLINE ss_pair ss_pair_mul(ss_pair a, ss_pair b)
-{
-    return a * b;
-}
-SS_INLINE ss_pair ss_pair_div(ss_pair a, ss_pair b)
-{
-    return a / b;
-}
-SS_INLINE ss_pair ss_pair_fma(ss_pair a, ss_pair b, ss_pair c)
-{
-    return _mm256_fmadd_ps(a, b, c);
-}
-SS_INLINE ss_pair ss_pair_fnma(ss_pair a, ss_pair b, ss_pair c)
-{
-    return _mm256_fnmadd_ps(a, b, c);
-}
-SS_INLINE ss_pair ss_pair_most(ss_pair a, ss_pair b)
-{
-    return _mm256_max_ps(a, b);
-}
-SS_INLINE ss_pair ss_pair_least(ss_pair a, ss_pair b)
-{
-    return _mm256_min_ps(a, b);
-}
-SS_INLINE ss_pair ss_pair_root(ss_pair a)
-{
-    return _mm256_sqrt_ps(a);
 }
 SS_INLINE ss_pair ss_pair_xyz(ss_pair a)
 {
@@ -438,53 +391,20 @@ typedef ss_real ss_wide __attribute__((vector_size(SS_WIDE_LANES * sizeof(ss_rea
 typedef ss_real ss_wide;
 #endif
 
-SS_INLINE ss_wide ss_wide_load(const ss_real *p)
-{
-    return *(const ss_wide *)(const void *)p;
-}
-SS_INLINE void ss_wide_store(ss_real *p, ss_wide a)
-{
-    *(ss_wide *)(void *)p = a;
-}
+SS_VECTOR_FUSED(ss_wide, SS_WIDE_OP)
 SS_INLINE ss_wide ss_wide_all(ss_real s)
 {
     return s - (ss_wide){0};
 }
-/* a b + c */
-SS_INLINE ss_wide ss_wide_fma(ss_wide a, ss_wide b, ss_wide c)
-{
-#ifdef SS_WIDE_AVX2
-    return SS_WIDE_OP(fmadd)(a, b, c);
-#else
-    return a * b + c;
-#endif
-}
-/* c - a b */
-SS_INLINE ss_wide ss_wide_fnma(ss_wide a, ss_wide b, ss_wide c)
-{
-#ifdef SS_WIDE_AVX2
-    return SS_WIDE_OP(fnmadd)(a, b, c);
-#else
-    return c - a * b;
-#endif
-}
-/* The larger of each lane; b's where a is not a number. */
-SS_INLINE ss_wide ss_wide_most(ss_wide a, ss_wide b)
-{
 #ifdef SS_WIDE_OP
-    return SS_WIDE_OP(max)(a, b);
+SS_VECTOR_OPS(ss_wide, SS_WIDE_OP)
 #else
-    return a > b ? a : b;
-#endif
-}
+SS_VECTOR_TWO(ss_wide, most, a > b ? a : b)
 SS_INLINE ss_wide ss_wide_root(ss_wide a)
 {
-#ifdef SS_WIDE_OP
-    return SS_WIDE_OP(sqrt)(a);
-#else
     return (ss_wide)sqrt((double)a);
-#endif
 }
+#endif
 /* a where x < limit, else b. */
 SS_INLINE ss_wide ss_wide_below(ss_wide x, ss_wide limit, ss_wide a, ss_wide b)
 {

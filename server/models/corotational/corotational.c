@@ -251,22 +251,10 @@ static const ss_model_hints hints = {
              "the rotations, and stable at any step",
     .has_force = true,
     .material = {"linear", "linear", "linear"},
-    .fitted = {{"youngs_modulus_pa", false, 0.0},
-               {"lame_lambda_pa", false, 0.0},
-               {"lame_mu_pa", false, 0.0},
-               {"viscosity_phi_pa_s", true, 0.0}}};
+    .fitted = {SS_HINTS_MODULI, {"viscosity_phi_pa_s", true, 0.0}}};
 
-extern const ss_model_class ss_model_corotational;
-const ss_model_class ss_model_corotational = {
-    .name = "corotational",
-    .help = "linear tetrahedra that turn with the body, stepped implicitly: for stiff scenes",
-    .hints = &hints,
-    SS_MODEL_ROWS(ss_corot_rows),
-    .step_cost_us = step_cost_us,
-    SS_MODEL_LIFE(ss_model, build, destroy),
-    .step = step,
-    SS_BODY_CLASS,
-    .info = ss_body_model_info,
-    SS_BODY_MOTION,
-    .explain = explain,
-    .needs_volume = true};
+SS_MODEL_CLASS(ss_model_corotational, "corotational",
+               "linear tetrahedra that turn with the body, stepped implicitly: for stiff scenes",
+               SS_MODEL_PARTS(ss_model, &hints, ss_corot_rows, step_cost_us, build, destroy, step,
+                              explain),
+               SS_BODY_STATE(ss_body_model_info, SS_BODY_MOTION), .needs_volume = true);

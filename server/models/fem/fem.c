@@ -156,26 +156,12 @@ static const ss_model_hints hints = {
              "stiffly while it is coarse",
     .has_force = true,
     .material = SS_HINTS_ANY_LAW,
-    .fitted = {{"youngs_modulus_pa", false, 0.0},
-               {"lame_lambda_pa", false, 0.0},
-               {"lame_mu_pa", false, 0.0},
-               {"viscosity_phi_pa_s", true, 0.0},
-               {"viscosity_psi_pa_s", true, 0.0}},
+    .fitted = {SS_HINTS_MODULI, SS_HINTS_VISCOSITIES},
     .work = sweep_work,
     .variant = variants,
     .variant_count = sizeof variants / sizeof *variants};
 
-extern const ss_model_class ss_model_fem;
-const ss_model_class ss_model_fem = {
-    .name = "fem",
-    .help = "a volume of tetrahedra with Green strain and viscous stress, explicit in time",
-    .hints = &hints,
-    SS_MODEL_ROWS(rows),
-    .step_cost_us = step_cost_us,
-    SS_MODEL_LIFE(ss_model, build, destroy),
-    .step = step,
-    SS_BODY_CLASS,
-    .info = ss_body_model_info,
-    SS_BODY_MOTION,
-    .explain = explain,
-    .needs_volume = true};
+SS_MODEL_CLASS(ss_model_fem, "fem",
+               "a volume of tetrahedra with Green strain and viscous stress, explicit in time",
+               SS_MODEL_PARTS(ss_model, &hints, rows, step_cost_us, build, destroy, step, explain),
+               SS_BODY_STATE(ss_body_model_info, SS_BODY_MOTION), .needs_volume = true);

@@ -244,26 +244,12 @@ static const ss_model_hints hints = {
              "at a time budget",
     .has_force = true,
     .material = SS_HINTS_ANY_LAW,
-    .fitted = {{"youngs_modulus_pa", false, 0.0},
-               {"lame_lambda_pa", false, 0.0},
-               {"lame_mu_pa", false, 0.0},
-               {"viscosity_phi_pa_s", true, 0.0},
-               {"viscosity_psi_pa_s", true, 0.0}},
+    .fitted = {SS_HINTS_MODULI, SS_HINTS_VISCOSITIES},
     .work = sweep_work,
     .variant = variants,
     .variant_count = sizeof variants / sizeof *variants};
 
-extern const ss_model_class ss_model_fem_quadratic;
-const ss_model_class ss_model_fem_quadratic = {
-    .name = "fem-quadratic",
-    .help = "a volume of ten-node tetrahedra with split volume energy, explicit in time",
-    .hints = &hints,
-    SS_MODEL_ROWS(rows),
-    .step_cost_us = step_cost_us,
-    SS_MODEL_LIFE(ss_model, build, destroy),
-    .step = step,
-    SS_BODY_CLASS,
-    .info = ss_body_model_info,
-    SS_BODY_MOTION,
-    .explain = explain,
-    .needs_volume = true};
+SS_MODEL_CLASS(ss_model_fem_quadratic, "fem-quadratic",
+               "a volume of ten-node tetrahedra with split volume energy, explicit in time",
+               SS_MODEL_PARTS(ss_model, &hints, rows, step_cost_us, build, destroy, step, explain),
+               SS_BODY_STATE(ss_body_model_info, SS_BODY_MOTION), .needs_volume = true);

@@ -631,11 +631,7 @@ static const ss_model_hints hints = {
     .has_force = true,
     .material = SS_HINTS_ANY_LAW,
     .write = write_case,
-    .fitted = {{"youngs_modulus_pa", false, 0.0},
-               {"lame_lambda_pa", false, 0.0},
-               {"lame_mu_pa", false, 0.0},
-               {"viscosity_phi_pa_s", true, 0.0},
-               {"viscosity_psi_pa_s", true, 0.0}},
+    .fitted = {SS_HINTS_MODULI, SS_HINTS_VISCOSITIES},
     .variant = &variant,
     .variant_count = 1};
 
@@ -657,19 +653,9 @@ static double ride_share(const ss_model *model, int32_t skin)
 static const ss_model_layer layer_class = {
     .full = SS_HYBRID_FULL, .at_rest = layer_at_rest, .is_awake = is_awake, .share = ride_share};
 
-extern const ss_model_class ss_model_hybrid;
-const ss_model_class ss_model_hybrid = {
-    .name = "hybrid",
-    .help = "a core of tetrahedra under a layer of particles that wake where a tool is",
-    .hints = &hints,
-    SS_MODEL_ROWS(rows),
-    .step_cost_us = ss_hybrid_step_cost_us,
-    SS_MODEL_LIFE(ss_hybrid, build, destroy),
-    .step = step,
-    SS_BODY_CLASS,
-    .info = ss_body_model_info,
-    .displacement = displacement,
-    .velocity = velocity,
-    .explain = ss_hybrid_explain,
-    .needs_volume = true,
-    .layer = &layer_class};
+SS_MODEL_CLASS(ss_model_hybrid, "hybrid",
+               "a core of tetrahedra under a layer of particles that wake where a tool is",
+               SS_MODEL_PARTS(ss_hybrid, &hints, rows, ss_hybrid_step_cost_us, build, destroy, step,
+                              ss_hybrid_explain),
+               SS_BODY_STATE(ss_body_model_info, displacement, velocity), .needs_volume = true,
+               .layer = &layer_class);

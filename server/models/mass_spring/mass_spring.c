@@ -532,16 +532,7 @@ static const ss_model_hints hints = {
                {"lame_mu_pa", false, 0.0},
                {"mass_damping_per_s", true, 0.0}}};
 
-extern const ss_model_class ss_model_mass_spring;
-const ss_model_class ss_model_mass_spring = {
-    .name = "mass-spring",
-    .help = "the edges of a volume or surface mesh as springs between point masses",
-    .hints = &hints,
-    SS_MODEL_ROWS(rows),
-    .step_cost_us = step_cost_us,
-    SS_MODEL_LIFE(ss_model, build, destroy),
-    .step = step,
-    SS_BODY_CLASS,
-    .info = ss_body_model_info,
-    SS_BODY_MOTION,
-    .explain = explain};
+SS_MODEL_CLASS(ss_model_mass_spring, "mass-spring",
+               "the edges of a volume or surface mesh as springs between point masses",
+               SS_MODEL_PARTS(ss_model, &hints, rows, step_cost_us, build, destroy, step, explain),
+               SS_BODY_STATE(ss_body_model_info, SS_BODY_MOTION));

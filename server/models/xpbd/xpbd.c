@@ -285,24 +285,11 @@ static const ss_model_hints hints = {
              "enough of them, softer or stiffer by as much as it lacks",
     .has_force = true,
     .material = {"stable-neo-hookean", "stable-neo-hookean", "neo-hookean"},
-    .fitted = {{"youngs_modulus_pa", false, 0.0},
-               {"lame_lambda_pa", false, 0.0},
-               {"lame_mu_pa", false, 0.0},
-               {"mass_damping_per_s", true, 0.0}},
+    .fitted = {SS_HINTS_MODULI, {"mass_damping_per_s", true, 0.0}},
     .variant = &variant,
     .variant_count = 1};
 
-extern const ss_model_class ss_model_xpbd;
-const ss_model_class ss_model_xpbd = {
-    .name = "xpbd",
-    .help = "neo-Hookean tetrahedra by extended position-based dynamics in small steps",
-    .hints = &hints,
-    SS_MODEL_ROWS(rows),
-    .step_cost_us = step_cost_us,
-    SS_MODEL_LIFE(ss_model, build, destroy),
-    .step = step,
-    SS_BODY_CLASS,
-    .info = info,
-    SS_BODY_MOTION,
-    .explain = explain,
-    .needs_volume = true};
+SS_MODEL_CLASS(ss_model_xpbd, "xpbd",
+               "neo-Hookean tetrahedra by extended position-based dynamics in small steps",
+               SS_MODEL_PARTS(ss_model, &hints, rows, step_cost_us, build, destroy, step, explain),
+               SS_BODY_STATE(info, SS_BODY_MOTION), .needs_volume = true);
