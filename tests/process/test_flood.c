@@ -340,6 +340,18 @@ TEST_WITH(slow_floods_of_many_lose_no_command_of_another, make_folder, end_all)
     expect_no_command_lost_under(tube(), "8", "command-pause", "1200");
 }
 
+/* The loops take commands once a step: while one that is slow, or has no processor, takes its time,
+ * those of others once left no room for the holder's, which was refused as one too many. */
+TEST_WITH(slow_floods_of_many_lose_no_command_of_another_between_slow_steps, make_folder, end_all)
+{
+    char text[2048];
+    tube();
+    read_text("tube.yaml", text, sizeof text);
+    const size_t size = strlen(text);
+    snprintf(text + size, sizeof text - size, "simulation: {rate_hz: 5}\n");
+    expect_no_command_lost_under(write_text("slow.yaml", text), "8", "command-pause", "1200");
+}
+
 /* Statuses that another process forges as fast as it can filled the monitor's buffer: the server
  * was not heard, was taken for silent, and the forger was shown in its place. */
 TEST_WITH(a_monitor_stays_with_the_server_it_heard_first, make_folder, end_all)
