@@ -1,16 +1,18 @@
 #!/usr/bin/env bash
-# The demo: the daemon on the bundled kidney, a simulated haptic device pressing it, live figures.
-#   tools/demo.sh [--seconds N]     default: until Ctrl-C
+# The demo: the daemon on the bundled kidney, a simulated haptic device pressing it, live figures, and
+# the kidney in a browser, where the mouse is a second probe.
+#   tools/demo.sh [--seconds N] [--no-web]     default: until Ctrl-C
 # Sets everything up on a fresh Debian 12. Exit 0 when forces flowed and nothing failed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-seconds=0
+seconds=0 web=1
 while [ $# -gt 0 ]; do
   case "$1" in
     --seconds) seconds="${2:-}"; shift; [ $# = 0 ] || shift ;;
     --seconds=*) seconds="${1#*=}"; shift ;;
+    --no-web) web="" ;;
     --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
-    *) echo "demo.sh: unknown argument '$1'; use --seconds N" >&2; exit 2 ;;
+    *) echo "demo.sh: unknown argument '$1'; use --seconds N or --no-web" >&2; exit 2 ;;
   esac
 done
 [[ "$seconds" =~ ^[0-9]+$ ]] || { echo "demo.sh: --seconds needs a whole number" >&2; exit 2; }
@@ -49,8 +51,11 @@ if [ -z "${SOFTSIM_DEMO_INSIDE:-}" ] && ! ip route get 239.255.76.67 >/dev/null 
   echo "demo.sh: no multicast route here; running in a private network namespace" >&2
   echo "demo.sh: (to use the machine's own: ip route add 224.0.0.0/4 dev lo)" >&2
   flags=-n; [ "$(id -u)" = 0 ] || flags=-rn
+  if [ -n "$web" ]; then
+    echo "demo.sh: no page there: a browser would have to be inside too" >&2
+  fi
   SOFTSIM_DEMO_INSIDE=1 exec unshare $flags bash -c \
-    'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' demo tools/demo.sh --seconds "$seconds"
+    'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' demo tools/demo.sh --seconds "$seconds" --no-web
 fi
 
 bin=build/release/bin
@@ -74,6 +79,20 @@ until grep -q '^softsimd: ready' "$work/out"; do
   kill -0 "$daemon" 2>/dev/null || { cat "$work/err" >&2; echo "demo.sh: softsimd did not start" >&2; exit 1; }
   sleep 0.05
 done
+# The page, on its usual port or where that is taken on a free one.
+start_web() {
+  $bin/softsim-web --prefix "$prefix" "$@" 2>"$work/web" &
+  local pid=$!
+  until grep -q 'in a browser' "$work/web"; do
+    kill -0 "$pid" 2>/dev/null || return 1
+    sleep 0.05
+  done
+  pids+=("$pid")
+  sed 's/^softsim-web/demo.sh/' "$work/web" >&2
+}
+if [ -n "$web" ] && [ -x $bin/softsim-web ]; then
+  start_web || start_web --port 0 || cat "$work/web" >&2
+fi
 source server/scenes/kidney-poke.sh
 bridge=()
 [ "$seconds" = 0 ] || bridge=(--duration "$seconds")

@@ -1,26 +1,41 @@
 #!/usr/bin/env bash
 # Installs what softsim needs on Debian 12. Does nothing when all of it is there.
-#   tools/setup.sh [build] [test] [spy]     default: build
+#   tools/setup.sh [build] [test] [browser] [spy]     default: build
+# browser: what the test of softsim-web's page in a headless browser needs, from npm too.
 set -euo pipefail
 build="build-essential cmake ninja-build pkg-config liblcm-dev liblcm-bin libglib2.0-dev libccd-dev
-  libassimp-dev libfyaml-dev libsuitesparse-dev libcmocka-dev libnlopt-dev zlib1g-dev iproute2 gnuplot-nox"
+  libassimp-dev libfyaml-dev libsuitesparse-dev libcmocka-dev libnlopt-dev zlib1g-dev iproute2 gnuplot-nox libwebsockets-dev"
 test="clang clang-format libclang-rt-14-dev shellcheck tetgen"
+browser="chromium fonts-dejavu-core"
 spy="liblcm-java libjchart2d-java default-jre default-jdk-headless"
 wanted=""
 for set in "${@:-build}"; do
   case "$set" in
     build) wanted="$wanted $build" ;;
     test) wanted="$wanted $build $test" ;;
+    browser)
+      wanted="$wanted $browser"
+      command -v npm >/dev/null || wanted="$wanted nodejs npm"
+      ;;
     spy) wanted="$wanted $spy" ;;
     --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
-    *) echo "setup.sh: unknown set '$set'; use build, test or spy" >&2; exit 2 ;;
+    *) echo "setup.sh: unknown set '$set'; use build, test, browser or spy" >&2; exit 2 ;;
   esac
 done
 missing=""
 for package in $wanted; do
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep 'ok installed' >/dev/null || missing="$missing $package"
 done
-[ -n "$missing" ] || exit 0
+page_modules() {
+  local page
+  page=$(dirname "$0")/../clients/web/page
+  [[ " $* " != *" browser "* ]] || [ -d "$page/node_modules/playwright-core" ] ||
+    (cd "$page" && npm ci --ignore-scripts --no-audit --no-fund >/dev/null)
+}
+if [ -z "$missing" ]; then
+  page_modules "$@"
+  exit 0
+fi
 echo "setup.sh: installing$missing" >&2
 as_root=""
 if [ "$(id -u)" != 0 ]; then
@@ -36,3 +51,4 @@ log=$(mktemp)
   exit 1
 }
 rm -f "$log"
+page_modules "$@"

@@ -16,6 +16,7 @@
 #include "net/codec.h"
 #include "net/receiver.h"
 #include "net/status_wire.h"
+#include "net/view_wire.h"
 #include "net/wire.h"
 #include "origin.h"
 #include "rt/clock.h"
@@ -53,6 +54,7 @@ struct softsim_client {
     char force_channel[SOFTSIM_MAX_PROBES][SOFTSIM_LOG_CHANNEL_SIZE];
     char command_channel[SOFTSIM_LOG_CHANNEL_SIZE];
     int32_t command_id; /* of the last command */
+    ss_view_room room;  /* of the message that is being handed on */
 };
 
 int64_t softsim_client_now_ns(void)
@@ -66,6 +68,14 @@ int64_t softsim_client_now_us(void)
 }
 
 /* ---- receiving ---- */
+
+static void hand_on_raw(const softsim_client *client, const ss_packet *packet)
+{
+    if (client->config.handle_raw != NULL) {
+        client->config.handle_raw(client->config.context, packet->channel, packet->data,
+                                  packet->size);
+    }
+}
 
 static bool is_finite_force(const softsim_force *force)
 {
@@ -88,6 +98,7 @@ static void receive_force(void *context, const ss_packet *packet)
     } else if (!ss_origin_take(&client->force_origin, packet->source, now_ns)) {
         ++client->counts.second;
     } else {
+        hand_on_raw(client, packet);
         client->config.handle_force(client->config.context, &force, now_ns);
     }
 }
@@ -122,6 +133,7 @@ static void receive_status(void *context, const ss_packet *packet)
     }
     if (ss_origin_take(&client->status_origin, packet->source, now_ns)) {
         softsim_server_status report;
+        hand_on_raw(client, packet);
         ss_status_from_wire(&status, &report);
         client->config.handle_status(client->config.context, &report, now_ns);
     } else {
@@ -148,6 +160,66 @@ static void receive_reply(void *context, const ss_packet *packet)
     softsim_reply_t_decode_cleanup(&reply);
 }
 
+/* Is a viewer's message, decoded or not, to be handed on? Statuses say which server is listened to:
+ * the mesh and the scene come from other ports, the mesh from one of its own. */
+static bool is_viewed(softsim_client *client, const ss_packet *packet, bool is_good)
+{
+    client->counts.malformed += is_good ? 0 : 1;
+    if (is_good) {
+        hand_on_raw(client, packet);
+    }
+    return is_good;
+}
+
+static void receive_scene(void *context, const ss_packet *packet)
+{
+    softsim_client *client = context;
+    softsim_scene_report scene;
+    if (is_viewed(client, packet,
+                  ss_view_decode_scene(packet->data, packet->size, &client->room, &scene))) {
+        client->config.handle_scene(client->config.context, &scene);
+    }
+}
+
+static void receive_topology(void *context, const ss_packet *packet)
+{
+    softsim_client *client = context;
+    softsim_topology_chunk chunk;
+    if (is_viewed(client, packet,
+                  ss_view_decode_topology(packet->data, packet->size, &client->room, &chunk))) {
+        client->config.handle_topology(client->config.context, &chunk);
+    }
+}
+
+static void receive_delta(void *context, const ss_packet *packet)
+{
+    softsim_client *client = context;
+    softsim_mesh_delta delta;
+    if (is_viewed(client, packet,
+                  ss_view_decode_delta(packet->data, packet->size, &client->room, &delta))) {
+        client->config.handle_delta(client->config.context, &delta);
+    }
+}
+
+static void receive_field(void *context, const ss_packet *packet)
+{
+    softsim_client *client = context;
+    softsim_mesh_field field;
+    if (is_viewed(client, packet,
+                  ss_view_decode_field(packet->data, packet->size, &client->room, &field))) {
+        client->config.handle_field(client->config.context, &field);
+    }
+}
+
+static void receive_pose(void *context, const ss_packet *packet)
+{
+    softsim_client *client = context;
+    softsim_pose pose;
+    if (is_viewed(client, packet, ss_wire_decode_pose(packet->data, packet->size, &pose))) {
+        client->config.handle_pose(client->config.context, &pose, packet->digit);
+    }
+}
+
 /* ---- opening ---- */
 
 static const ss_lane force_lane = {.suffix = {"_FORCE_#"},
@@ -170,13 +242,25 @@ static const ss_lane reply_lane = {.suffix = {"_REPLY"},
                                    .burst = OTHER_WORK_BURST,
                                    .receive = receive_reply};
 
+/* Of a viewer's messages: a mesh of a hundred thousand nodes a few times a second. */
+static ss_lane view_lane(const char *suffix, void (*receive)(void *, const ss_packet *))
+{
+    return (ss_lane){.suffix = {suffix},
+                     .max_size = SS_WIRE_MAX_MESSAGE + SOFTSIM_LOG_CHANNEL_SIZE,
+                     .buffer = LANE_BUFFER,
+                     .per_ms = FORCE_WORK_PER_MS,
+                     .burst = FORCE_WORK_BURST,
+                     .receive = receive};
+}
+
 static softsim_status join(softsim_client *client, const char *prefix, softsim_error *error)
 {
     client->lcm = ss_wire_open(client->config.lcm_url, error);
     if (client->lcm == NULL) {
         return error->status;
     }
-    ss_lane lanes[3]; /* of what is wanted */
+    const softsim_client_config *config = &client->config;
+    ss_lane lanes[SS_RECEIVER_MAX_LANES]; /* of what is wanted */
     int32_t count = 0;
     if (client->config.handle_force != NULL) {
         lanes[count++] = force_lane;
@@ -187,6 +271,20 @@ static softsim_status join(softsim_client *client, const char *prefix, softsim_e
     }
     if (client->config.handle_reply != NULL) {
         lanes[count++] = reply_lane;
+    }
+    const struct {
+        bool is_wanted;
+        const char *suffix;
+        void (*receive)(void *, const ss_packet *);
+    } views[] = {{config->handle_scene != NULL, "_SCENE", receive_scene},
+                 {config->handle_topology != NULL, "_MESH_TOPOLOGY", receive_topology},
+                 {config->handle_delta != NULL, "_MESH_DELTA", receive_delta},
+                 {config->handle_field != NULL, "_MESH_FIELD", receive_field},
+                 {config->handle_pose != NULL, "_PROBE_#", receive_pose}};
+    for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i) {
+        if (views[i].is_wanted) {
+            lanes[count++] = view_lane(views[i].suffix, views[i].receive);
+        }
     }
     const ss_receiver_config receiver = {.lcm_url = client->config.lcm_url,
                                          .lcm = client->lcm,

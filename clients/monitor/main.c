@@ -19,6 +19,7 @@
 #include "rt/vec.h"
 #include "show.h"
 #include "softsim/client.h"
+#include "status_json.h"
 
 static const int64_t patience_ns = 2000000000; /* without a status: the server is gone */
 static const int64_t give_up_ns = 10000000000; /* --once: no server is coming */
@@ -61,7 +62,8 @@ static void take_status(void *context, const softsim_server_status *status, int6
         m->hand[p].is_here = m->felt_ns[p] != 0 && receive_ns - m->felt_ns[p] < fresh_ns;
     }
     if (m->is_json) {
-        ss_show_json(stdout, status);
+        ss_status_json(stdout, status);
+        putchar('\n');
     } else if (m->is_terminal || m->is_once) {
         fputs(m->is_once ? "" : "\033[H\033[J", stdout); /* home, clear below */
         ss_show_page(stdout, status, m->hand);

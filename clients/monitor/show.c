@@ -65,35 +65,6 @@ static value read_field(const softsim_server_status *s, const field *f, int i)
     return v;
 }
 
-/* ---- JSON ---- */
-
-static void json_value(FILE *out, const field *f, const value *v)
-{
-    if (f->type == TYPE_text) {
-        ss_plain_json(out, v->text);
-    } else if (f->type != TYPE_double) {
-        fprintf(out, "%" PRId64, v->integer);
-    } else if (isfinite(v->number)) {
-        fprintf(out, "%.17g", v->number);
-    } else {
-        fputs("null", out);
-    }
-}
-
-void ss_show_json(FILE *out, const softsim_server_status *s)
-{
-    for (const field *f = fields; f < fields + FIELD_COUNT; ++f) {
-        fprintf(out, "%s\"%s\": %s", f == fields ? "{" : ", ", f->name, f->count > 0 ? "[" : "");
-        for (int i = 0; i < (f->count > 0 ? f->count : 1); ++i) {
-            const value v = read_field(s, f, i);
-            fputs(i > 0 ? ", " : "", out);
-            json_value(out, f, &v);
-        }
-        fputs(f->count > 0 ? "]" : "", out);
-    }
-    fputs("}\n", out);
-}
-
 /* ---- for people ---- */
 
 /* A figure of a message: whatever a stranger says, no longer than a column. */

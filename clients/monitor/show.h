@@ -16,8 +16,6 @@ typedef struct ss_show_hand {
     int32_t flags;
 } ss_show_hand;
 
-/* One line of JSON: every field of the message by its name; null for what is not finite. */
-void ss_show_json(FILE *out, const softsim_server_status *status);
 /* One line with the figures that tell health, and what is felt. `hand`: SOFTSIM_MAX_PROBES. */
 void ss_show_line(FILE *out, const softsim_server_status *status, const ss_show_hand *hand);
 /* A screenful. */

@@ -21,6 +21,7 @@
 
 #include "softsim/status.h"
 #include "softsim/types.h"
+#include "softsim/view.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -41,6 +42,17 @@ typedef struct softsim_client_config {
     /* The server's reply to a command of this client: its number, 0 done, 1 refused or 2 unknown
      * or bad, and a text that is valid during the call. NULL: none wanted. */
     void (*handle_reply)(void *context, int32_t id, int32_t code, const char *text);
+    /* What a viewer draws, valid during the call; of the server that is listened to. NULL: none
+     * wanted. */
+    void (*handle_scene)(void *context, const softsim_scene_report *scene);
+    void (*handle_topology)(void *context, const softsim_topology_chunk *chunk);
+    void (*handle_delta)(void *context, const softsim_mesh_delta *delta);
+    void (*handle_field)(void *context, const softsim_mesh_field *field);
+    /* The poses of all probes, as they came: values are not checked. NULL: none wanted. */
+    void (*handle_pose)(void *context, const softsim_pose *pose, int32_t channel_probe);
+    /* Every message that is handed on and every pose, before it is, as it came: for recordings.
+     * NULL: none wanted. */
+    void (*handle_raw)(void *context, const char *channel, const void *data, int32_t size);
 } softsim_client_config;
 
 /* What came in and was not handed on. */

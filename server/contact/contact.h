@@ -53,6 +53,9 @@ typedef struct ss_shape {
 /* From a mesh file's hull: refuses meshes that are not convex within 1e-3 of their size. */
 softsim_status ss_shape_init_convex(ss_shape *shape, const ss_mesh *mesh, softsim_error *error);
 void ss_shape_fini(ss_shape *shape);
+/* At most `most` of a convex mesh's vertices in the tool's frame, evenly taken where it has more;
+ * returns how many, 0 of every other shape. Thread: any. */
+int32_t ss_shape_hull(const ss_shape *shape, int32_t most, float (*out_vertex)[3]);
 
 /* Signed distance (m, negative inside) of point `x` in the tool's frame; out_normal is its unit
  * gradient, out of the tool. Thread: any; RT-safe. */

@@ -169,6 +169,22 @@ void ss_convex_centre(const ss_convex *convex, double out[3])
     ss_copy3(out, convex->centre);
 }
 
+int32_t ss_shape_hull(const ss_shape *shape, int32_t most, float (*out_vertex)[3])
+{
+    if (shape->kind != SS_SHAPE_CONVEX) {
+        return 0;
+    }
+    const int32_t all = shape->convex->vertex_count;
+    const int32_t count = all < most ? all : most;
+    for (int32_t i = 0; i < count; ++i) {
+        const double *vertex = shape->convex->vertex[(int64_t)i * all / count];
+        for (int d = 0; d < 3; ++d) {
+            out_vertex[i][d] = (float)vertex[d];
+        }
+    }
+    return count;
+}
+
 /* ---- create ---- */
 
 static void convex_destroy(ss_convex *convex)

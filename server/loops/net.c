@@ -17,6 +17,7 @@ static const int64_t STATUS_PERIOD_NS = 250000000;
 /* Requests are answered together, so that nobody makes the server speak as often as one who floods:
  * who hears it may then tell the two apart (client.c, net.c). */
 static const int64_t ASKED_PERIOD_NS = 50000000;
+static const int64_t SCENE_PERIOD_NS = 2000000000;
 
 /* ---- poses and commands in ---- */
 
@@ -134,6 +135,7 @@ static int32_t handle_command(void *context, const char *name, const char *argum
     switch (record.kind) {
     case SS_COMMAND_REFRESH:
         atomic_fetch_add_explicit(&loops->refreshes, 1, memory_order_release);
+        loops->scene_ns = 0;
         break;
     case SS_COMMAND_STATUS:
         loops->is_status_asked = true;
@@ -142,6 +144,7 @@ static int32_t handle_command(void *context, const char *name, const char *argum
         ss_loops_end(loops);
         break;
     case SS_COMMAND_SET:
+        loops->scene_ns = 0;
         if (record.key == SS_LIVE_MAX_BYTES) {
             atomic_store_explicit(&loops->max_bytes_per_s, record.value, memory_order_release);
         } else if (record.key == SS_LIVE_MESH_RATE) {
@@ -188,6 +191,10 @@ static int64_t send_due_status(ss_loops *loops)
     loops->is_status_asked = false;
     ss_loops_send_status(loops);
     loops->status_ns = ss_clock_now_ns();
+    if (loops->scene_ns == 0 || loops->status_ns - loops->scene_ns >= SCENE_PERIOD_NS) {
+        ss_loops_send_scene(loops);
+        loops->scene_ns = loops->status_ns;
+    }
     return STATUS_PERIOD_NS;
 }
 

@@ -64,6 +64,7 @@ typedef struct ss_loops {
     double peak_force;
     int64_t status_ns; /* when the last one went out */
     bool is_status_asked;
+    int64_t scene_ns;      /* when the scene went out; 0: at once */
     int64_t queue_refused; /* poses that found their ring full */
     ss_haptic_stats haptic_stats;
     ss_simulation_stats simulation_stats;
@@ -91,3 +92,5 @@ static inline void ss_loops_end(ss_loops *loops)
 void ss_loops_measure_rate(ss_loops *loops);
 /* Status and judgement of this moment. Thread: net. */
 void ss_loops_send_status(ss_loops *loops);
+/* Thread: net. */
+void ss_loops_send_scene(ss_loops *loops);

@@ -20,6 +20,7 @@
 #include "net/receiver.h"
 #include "net/senders.h"
 #include "net/status_wire.h"
+#include "net/view_wire.h"
 #include "net/wire.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
@@ -29,6 +30,7 @@
 #include "softsim_contact_force_t.h"
 #include "softsim_probe_pose_t.h"
 #include "softsim_reply_t.h"
+#include "softsim_scene_t.h"
 
 enum {
     MAX_MESSAGE = 2048,   /* bytes; poses have 148, commands at most 1096 */
@@ -64,9 +66,10 @@ struct ss_net {
     char status_channel[SS_WIRE_CHANNEL_SIZE];
     char reply_channel[SS_WIRE_CHANNEL_SIZE];
     char command_channel[SS_WIRE_CHANNEL_SIZE];
+    char scene_channel[SS_WIRE_CHANNEL_SIZE];
     int32_t status_seq;
     int64_t status_utime[STATUS_MEMORY]; /* of the own status seq, by its remainder */
-    int32_t reply_seq;
+    int32_t reply_seq, scene_seq;
     atomic_int_least64_t dropped; /* statistics: relaxed */
     int64_t sender;               /* of the own commands, which come back too */
     ss_other_server other;
@@ -136,6 +139,14 @@ bool ss_net_send_status(ss_net *net, const softsim_server_status *status)
     net->status_utime[(uint32_t)wire.seq % STATUS_MEMORY] = wire.utime;
     const int size = softsim_server_status_t_encode(net->buffer, 0, sizeof net->buffer, &wire);
     return publish(net, net->status_channel, size);
+}
+
+bool ss_net_send_scene(ss_net *net, softsim_scene_report *scene)
+{
+    scene->utime_us = now_us();
+    scene->seq = ++net->scene_seq;
+    return publish(net, net->scene_channel,
+                   ss_view_encode_scene(scene, net->buffer, sizeof net->buffer));
 }
 
 int64_t ss_net_dropped(const ss_net *net)
@@ -281,6 +292,7 @@ static void compute_hashes(void)
     __softsim_contact_force_t_get_hash();
     __softsim_server_status_t_get_hash();
     __softsim_reply_t_get_hash();
+    __softsim_scene_t_get_hash();
 }
 
 static void name_channels(ss_net *net, const char *prefix)
@@ -291,6 +303,7 @@ static void name_channels(ss_net *net, const char *prefix)
     snprintf(net->status_channel, sizeof net->status_channel, "%s_STATUS", prefix);
     snprintf(net->reply_channel, sizeof net->reply_channel, "%s_REPLY", prefix);
     snprintf(net->command_channel, sizeof net->command_channel, "%s_COMMAND", prefix);
+    snprintf(net->scene_channel, sizeof net->scene_channel, "%s_SCENE", prefix);
 }
 
 void ss_net_close(ss_net **net)

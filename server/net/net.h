@@ -18,6 +18,7 @@
 #include "rt/thread.h"
 #include "softsim/status.h"
 #include "softsim/types.h"
+#include "softsim/view.h"
 
 /* ---- what crosses between the net thread and the loops ---- */
 
@@ -140,6 +141,10 @@ void ss_net_forget_other_server(ss_net *net);
 /* Sends a command to every other server on the prefix; the own one passes over it. Thread: net. */
 void ss_net_send_command(ss_net *net, const char *name);
 
+/* Sets `seq` and utime_us. False (counted in ss_net_dropped) when it does not fit one message or
+ * could not be sent. Thread: net. */
+bool ss_net_send_scene(ss_net *net, softsim_scene_report *scene);
+
 /* Sets `seq`, and `utime` where it is 0; texts may be NULL and of any length. Thread: net. */
 bool ss_net_send_status(ss_net *net, const softsim_server_status *status);
 
@@ -166,6 +171,8 @@ void ss_publisher_send(ss_publisher *publisher, int64_t now_ns, int64_t step,
 void ss_publisher_refresh(ss_publisher *publisher);
 /* Bytes of messages in any one second, at least 1000. Thread: publish. */
 void ss_publisher_set_max_bytes(ss_publisher *publisher, double max_bytes_per_s);
+/* Its number, as the messages name it. Thread: any. */
+int32_t ss_publisher_topology(const ss_publisher *publisher);
 /* Thread: any. */
 int64_t ss_publisher_bytes(const ss_publisher *publisher);    /* of messages, sent since open */
 bool ss_publisher_is_clamping(const ss_publisher *publisher); /* displacement beyond the scale */

@@ -373,6 +373,11 @@ fail:
 
 /* ---- sending ---- */
 
+int32_t ss_publisher_topology(const ss_publisher *publisher)
+{
+    return publisher->topology;
+}
+
 int64_t ss_publisher_bytes(const ss_publisher *publisher)
 {
     return atomic_load_explicit(&publisher->bytes, memory_order_relaxed);

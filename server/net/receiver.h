@@ -12,7 +12,7 @@
 #include "net/filter.h"
 #include "softsim/types.h"
 
-enum { SS_RECEIVER_MAX_LANES = 4 };
+enum { SS_RECEIVER_MAX_LANES = 8 };
 
 /* One message, valid during the call. */
 typedef struct ss_packet {

@@ -448,6 +448,76 @@ void ss_scene_tell_live(const ss_scene *scene, const ss_scene_model *model, cons
     }
 }
 
+/* Live row number *left of a table and of those below it, counted down; NULL beyond the last. */
+static const ss_scene_row *find_live(ss_scene_table table, int32_t *left, char *path, size_t size)
+{
+    const size_t length = strlen(path);
+    for (int32_t i = 0; i < table.count; ++i) {
+        const ss_scene_row *row = &table.row[i];
+        snprintf(path + length, size - length, "%s%s", length > 0 ? "." : "", row->name);
+        if (row->live > 0 && (*left)-- == 0) {
+            return row;
+        }
+        if (row->kind == SS_SCENE_KEYS) {
+            const ss_scene_row *found = find_live(row->child, left, path, size);
+            if (found != NULL) {
+                return found;
+            }
+        }
+    }
+    path[length] = '\0';
+    return NULL;
+}
+
+bool ss_scene_find_live(const ss_scene_model *model, int32_t number, ss_scene_live *out_live)
+{
+    ss_scene_row model_row;
+    *out_live = (ss_scene_live){.row = -1};
+    const ss_scene_row *row =
+        find_live(ss_scene_root, &number, out_live->path, sizeof out_live->path);
+    for (int32_t i = 0; row == NULL && i < model->row_count; ++i) {
+        if (model->row[i].is_live && number-- == 0) {
+            snprintf(out_live->path, sizeof out_live->path, "model.%s", model->row[i].name);
+            model_row = ss_scene_row_of_param(&model->row[i]);
+            row = &model_row;
+            out_live->row = i;
+        }
+    }
+    if (row == NULL) {
+        return false;
+    }
+    out_live->key = (ss_scene_live_key)(row->live - 1);
+    return true;
+}
+
+void ss_scene_describe_live(const ss_scene *scene, const ss_scene_model *model,
+                            const ss_scene_live *live, const double *set, double most, char *out,
+                            size_t size)
+{
+    ss_scene_row model_row;
+    softsim_error ignored = {.status = SOFTSIM_OK};
+    int32_t index = -1;
+    double value = set != NULL ? *set : 0.0;
+    char now[64] = "varies";
+    const ss_scene_row *row = find_model_row(model, live->path, &model_row, &index)
+                                  ? &model_row
+                                  : find_path(ss_scene_root, live->path, &ignored);
+    if (set != NULL || own_value(scene, row, index, &value)) {
+        write_value(row, value, now, sizeof now);
+    }
+    ss_range range = row->range;
+    const char *unit = row->unit != NULL ? row->unit : "";
+    if (row->kind == SS_SCENE_CHOICE || row->kind == SS_SCENE_BOOL) {
+        unit = row->kind == SS_SCENE_BOOL ? "false|true" : row->choices;
+        range = (ss_range){.max = 0.0};
+        for (const char *at = unit; *at != '\0'; ++at) {
+            range.max += *at == '|' ? 1.0 : 0.0;
+        }
+    }
+    snprintf(out, size, "%s=%s %.6g %.6g %s", live->path, now, range.min, fmin(range.max, most),
+             unit);
+}
+
 softsim_status ss_scene_parse_live(const char *assignment, const ss_scene_model *model,
                                    ss_scene_live_key *out_key, int32_t *out_row, double *out_value,
                                    softsim_error *error)

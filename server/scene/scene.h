@@ -139,3 +139,17 @@ softsim_status ss_scene_parse_live(const char *assignment, const ss_scene_model 
  * N (was 8)". `before`: the value that is replaced; NULL: the scene's own. */
 void ss_scene_tell_live(const ss_scene *scene, const ss_scene_model *model, const char *assignment,
                         double value, const double *before, char *out, size_t size);
+/* One of the live keys, for who lists them. */
+typedef struct ss_scene_live {
+    char path[128];
+    ss_scene_live_key key;
+    int32_t row; /* of the model's table, for SS_LIVE_MODEL_ROW; else -1 */
+} ss_scene_live;
+/* Number 0, 1, ... of them, the model's last; false beyond. */
+bool ss_scene_find_live(const ss_scene_model *model, int32_t number, ss_scene_live *out_live);
+/* "PATH=VALUE LOW HIGH UNIT", HIGH at most `most`; of a choice LOW and HIGH are the numbers of its
+ * first and last word and UNIT is its words, "hold|linear|local"; VALUE is "varies" where nodes
+ * have values of their own. `set`: what it was set to; NULL: the scene's own. */
+void ss_scene_describe_live(const ss_scene *scene, const ss_scene_model *model,
+                            const ss_scene_live *live, const double *set, double most, char *out,
+                            size_t size);

@@ -58,15 +58,18 @@ static int32_t parse_set(ss_world *world, const char *argument, ss_command_recor
     return 0;
 }
 
+static int32_t slot_of(ss_scene_live_key key, int32_t row)
+{
+    return key == SS_LIVE_MODEL_ROW ? SS_LIVE_MODEL_ROW + row : (int32_t)key;
+}
+
 /* Says what is set now and was before, and remembers it. */
 static void tell_set(ss_world *world, const char *argument, const ss_command_record *record,
                      char *out_text, int32_t text_size)
 {
     ss_scene_model models[SS_MAX_MODELS];
     ss_world_scene_models(models);
-    const int32_t slot =
-        record->key == SS_LIVE_MODEL_ROW ? SS_LIVE_MODEL_ROW + record->row : (int32_t)record->key;
-    ss_set_value *set = &world->set_value[slot];
+    ss_set_value *set = &world->set_value[slot_of(record->key, record->row)];
     ss_scene_tell_live(world->scene, &models[world->scene->model_index], argument, record->value,
                        set->is_set ? &set->value : NULL, out_text, (size_t)text_size);
     *set = (ss_set_value){.is_set = true, .value = record->value};
@@ -76,6 +79,23 @@ static void tell_set(ss_world *world, const char *argument, const ss_command_rec
                  "; the hand's limit moves there by 20 %% a second, as far as the loop's delay "
                  "allows: stiffness_limit_n_per_m of the status");
     }
+}
+
+bool ss_world_describe_live(const ss_world *world, int32_t number, char *out, size_t size)
+{
+    ss_scene_model models[SS_MAX_MODELS];
+    ss_world_scene_models(models);
+    const ss_scene_model *model = &models[world->scene->model_index];
+    ss_scene_live live;
+    if (!ss_scene_find_live(model, number, &live)) {
+        return false;
+    }
+    double most = INFINITY;
+    (void)felt_limit(world->scene, live.key, &most);
+    const ss_set_value *set = &world->set_value[slot_of(live.key, live.row)];
+    ss_scene_describe_live(world->scene, model, &live, set->is_set ? &set->value : NULL, most, out,
+                           size);
+    return true;
 }
 
 int32_t ss_world_command(ss_world *world, const char *name, const char *argument,

@@ -234,6 +234,10 @@ uint64_t ss_world_hash(ss_world *world);
 /* Ends the lockstep worker, if any; call it before ss_world_destroy. Thread: set-up only. */
 void ss_lockstep_stop(ss_world *world);
 
+/* Live key number 0, 1, ... as it is set now, "PATH=VALUE LOW HIGH UNIT" with HIGH the most that a
+ * command may set; false beyond the last. Thread: net. */
+bool ss_world_describe_live(const ss_world *world, int32_t number, char *out, size_t size);
+
 /* Takes a command (net thread): what concerns the loops is handed to them; what concerns the
  * caller (REFRESH, STATUS, SHUTDOWN, and SET of the publisher's values) is told by *out_record.
  * Fills `out_text` and returns the reply's code: 0 done, 1 refused, 2 unknown or bad. */

@@ -1,0 +1,808 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "hub.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "indentation.h"
+#include "rt/plain.h"
+#include "rt/vec.h"
+#include "softsim/log.h"
+#include "status_json.h"
+
+enum {
+    SAMPLES = 600, /* ten seconds of a sixtieth each */
+    STATE_FLOATS = 27,
+    SAMPLE_FLOATS = 4,
+    COMMANDS = 64,
+    REPLIES = 64,
+    RECORDINGS = 256,
+    NAME_SIZE = 64
+};
+static const int64_t FRAME_NS = 16000000;
+static const int64_t HEARTBEAT_NS = 500000000;
+static const int64_t POSE_NS = 4000000;
+static const int64_t IDLE_NS = 20000000;
+static const int64_t SILENT_NS = 2000000000; /* without a status: no server */
+static const int64_t FORCE_SILENT_NS = 500000000;
+static const int64_t MOST_RECORDED = INT64_C(4) << 30; /* bytes */
+
+typedef struct sample {
+    float time_s, force, peak, indentation;
+} sample;
+
+typedef struct probe_state {
+    softsim_force force;
+    softsim_pose pose;
+    bool has_pose;
+    ss_indentation indentation;
+    int64_t heard_ns, sample_ns;
+    sample open; /* of the sixtieth that is under way */
+    sample ring[SAMPLES];
+    uint64_t count; /* of samples, ever */
+} probe_state;
+
+typedef struct command {
+    int64_t browser;
+    char name[32], argument[256];
+} command;
+
+typedef struct reply {
+    int64_t browser;
+    int32_t code;
+    char text[512];
+} reply;
+
+typedef struct recording {
+    char name[NAME_SIZE];
+    char *path;
+    bool is_finished;
+} recording;
+
+struct ss_hub {
+    ss_hub_config config;
+    softsim_client *client; /* hub thread */
+    pthread_t thread;
+    bool has_thread;
+    atomic_bool is_ending, is_broken;
+    pthread_mutex_t lock; /* of all below */
+    bool is_changed;
+    int64_t start_ns, woken_ns;
+
+    ss_body_view body;
+    probe_state probe[SOFTSIM_MAX_PROBES];
+    char *scene, *status; /* JSON; NULL: not heard of */
+    uint64_t scene_version, status_version;
+    int64_t status_ns;
+    bool is_silent;
+    uint64_t silence_version;
+
+    ss_mouse mouse;
+    int32_t mouse_probe;
+    int64_t mouse_browser; /* 0: nobody */
+    bool is_refused;       /* another client holds the probe */
+    uint64_t hand_version;
+    int32_t pose_seq;
+
+    command command[COMMANDS];
+    uint64_t command_put, command_taken;
+    int64_t asked[COMMANDS]; /* browser of command id, by its remainder */
+    reply reply[REPLIES];
+    uint64_t reply_count;
+
+    softsim_log_writer *log;
+    int64_t recorded;
+    recording recordings[RECORDINGS];
+    int32_t recording_count;
+    bool is_record_wanted;
+    char record_fault[256];
+    uint64_t recording_version;
+};
+
+/* ---- heard: hub thread ---- */
+
+static void change(ss_hub *hub)
+{
+    hub->is_changed = true;
+}
+
+static void take_topology(void *context, const softsim_topology_chunk *chunk)
+{
+    ss_hub *hub = context;
+    pthread_mutex_lock(&hub->lock);
+    (void)ss_body_take_topology(&hub->body, chunk);
+    change(hub);
+    pthread_mutex_unlock(&hub->lock);
+}
+
+static void take_delta(void *context, const softsim_mesh_delta *delta)
+{
+    ss_hub *hub = context;
+    pthread_mutex_lock(&hub->lock);
+    ss_body_take_delta(&hub->body, delta);
+    change(hub);
+    pthread_mutex_unlock(&hub->lock);
+}
+
+static void take_field(void *context, const softsim_mesh_field *field)
+{
+    ss_hub *hub = context;
+    pthread_mutex_lock(&hub->lock);
+    ss_body_take_field(&hub->body, field);
+    change(hub);
+    pthread_mutex_unlock(&hub->lock);
+}
+
+static void take_pose(void *context, const softsim_pose *pose, int32_t channel)
+{
+    ss_hub *hub = context;
+    pthread_mutex_lock(&hub->lock);
+    probe_state *probe = &hub->probe[channel];
+    /* Of who is answered; at first of anyone. */
+    if (ss_is_finite(pose->position, 3) && ss_is_finite(pose->orientation, 4) &&
+        (probe->heard_ns == 0 || pose->sender == probe->force.sender)) {
+        probe->pose = *pose;
+        probe->has_pose = true;
+    }
+    pthread_mutex_unlock(&hub->lock);
+}
+
+static void take_sample(ss_hub *hub, probe_state *probe, int64_t now_ns)
+{
+    const float force = (float)ss_norm3(probe->force.force);
+    sample *open = &probe->open;
+    if (probe->sample_ns == 0 || now_ns - probe->sample_ns >= FRAME_NS) {
+        probe->sample_ns = now_ns;
+        probe->ring[probe->count++ % SAMPLES] = *open;
+        *open = (sample){0};
+        change(hub);
+    }
+    open->time_s = (float)(1e-9 * (double)(now_ns - hub->start_ns));
+    open->force = force;
+    open->peak = fmaxf(open->peak, force);
+    open->indentation = (float)probe->indentation.value;
+}
+
+static void take_force(void *context, const softsim_force *force, int64_t receive_ns)
+{
+    ss_hub *hub = context;
+    pthread_mutex_lock(&hub->lock);
+    probe_state *probe = &hub->probe[force->probe];
+    const bool is_mine = force->sender == softsim_client_sender(hub->client);
+    if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0) {
+        if (is_mine && !hub->is_refused) {
+            hub->is_refused = true;
+            ++hub->hand_version;
+            change(hub);
+        }
+    } else {
+        if (is_mine && hub->is_refused) {
+            hub->is_refused = false;
+            ++hub->hand_version;
+        }
+        probe->force = *force;
+        probe->heard_ns = receive_ns;
+        ss_indentation_take(&probe->indentation, force,
+                            probe->has_pose ? probe->pose.position : force->proxy);
+        take_sample(hub, probe, receive_ns);
+    }
+    pthread_mutex_unlock(&hub->lock);
+}
+
+/* In place of a text; NULL leaves the old one. */
+static void renew(char **text, char *json, uint64_t *version)
+{
+    if (json != NULL) {
+        free(*text);
+        *text = json;
+        ++*version;
+    }
+}
+
+static void take_status(void *context, const softsim_server_status *status, int64_t receive_ns)
+{
+    ss_hub *hub = context;
+    char *json = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&json, &size);
+    if (out == NULL) {
+        return;
+    }
+    fputs("{\"type\": \"status\", \"status\": ", out);
+    ss_status_json(out, status);
+    fputs("}", out);
+    fclose(out);
+    pthread_mutex_lock(&hub->lock);
+    renew(&hub->status, json, &hub->status_version);
+    hub->status_ns = receive_ns;
+    if (hub->is_silent) {
+        hub->is_silent = false;
+        ++hub->silence_version;
+    }
+    change(hub);
+    pthread_mutex_unlock(&hub->lock);
+}
+
+static void put_tool(FILE *out, const softsim_scene_report *scene, int32_t p, const float *hull)
+{
+    static const char *const name[] = {
+#define X(form, value, text) [value] = (text),
+        SOFTSIM_TOOL_LIST(X)
+#undef X
+    };
+    fprintf(out, "{\"probe\": %d, \"form\": \"%s\", \"size\": [%.9g, %.9g, %.9g], \"hull\": [", p,
+            name[scene->form[p]], scene->size[p][0], scene->size[p][1], scene->size[p][2]);
+    for (int32_t i = 0; i < 3 * scene->hull_count[p]; ++i) {
+        fprintf(out, "%s%.7g", i > 0 ? ", " : "", (double)hull[i]);
+    }
+    fputs("]}", out);
+}
+
+/* "PATH=VALUE LOW HIGH UNIT"; what has another form is left out. */
+static bool put_parameter(FILE *out, const char *text, bool is_first)
+{
+    char path[128], value[64], unit[96] = "";
+    double low = 0.0, high = 0.0;
+    if (sscanf(text, "%127[^= ]=%63s %lf %lf %95[^\n]", path, value, &low, &high, unit) < 4 ||
+        !isfinite(low) || !isfinite(high)) {
+        return false;
+    }
+    fputs(is_first ? "{\"path\": " : ", {\"path\": ", out);
+    ss_plain_json(out, path);
+    fputs(", \"value\": ", out);
+    ss_plain_json(out, value);
+    fprintf(out, ", \"low\": %.9g, \"high\": %.9g, \"unit\": ", low, high);
+    ss_plain_json(out, unit);
+    fputs("}", out);
+    return true;
+}
+
+static void take_scene(void *context, const softsim_scene_report *scene)
+{
+    ss_hub *hub = context;
+    char *json = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&json, &size);
+    if (out == NULL) {
+        return;
+    }
+    const struct {
+        const char *key, *text;
+    } texts[] = {{"name", scene->name}, {"model", scene->model}, {"field", scene->field}};
+    fprintf(out, "{\"type\": \"scene\"");
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
+        fprintf(out, ", \"%s\": ", texts[i].key);
+        ss_plain_json(out, texts[i].text);
+    }
+    fputs(", \"tools\": [", out);
+    const float *hull = scene->hull;
+    const char *comma = "";
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (scene->form[p] != SOFTSIM_TOOL_NONE) {
+            fputs(comma, out);
+            put_tool(out, scene, p, hull);
+            comma = ", ";
+        }
+        hull += 3 * (size_t)scene->hull_count[p];
+    }
+    fputs("], \"parameters\": [", out);
+    bool is_first = true;
+    for (int32_t i = 0; i < scene->parameter_count; ++i) {
+        is_first = !put_parameter(out, scene->parameter[i], is_first) && is_first;
+    }
+    fputs("]}", out);
+    fclose(out);
+    pthread_mutex_lock(&hub->lock);
+    if (hub->scene == NULL || json == NULL || strcmp(hub->scene, json) != 0) {
+        renew(&hub->scene, json, &hub->scene_version);
+        change(hub);
+    } else {
+        free(json);
+    }
+    pthread_mutex_unlock(&hub->lock);
+}
+
+static void take_reply(void *context, int32_t id, int32_t code, const char *text)
+{
+    ss_hub *hub = context;
+    pthread_mutex_lock(&hub->lock);
+    reply *next = &hub->reply[hub->reply_count % REPLIES];
+    next->browser = hub->asked[(uint32_t)id % COMMANDS];
+    next->code = code;
+    snprintf(next->text, sizeof next->text, "%s", text);
+    ++hub->reply_count;
+    change(hub);
+    pthread_mutex_unlock(&hub->lock);
+}
+
+/* ---- recording: hub thread, under the lock ---- */
+
+static void end_recording(ss_hub *hub)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    recording *last = &hub->recordings[hub->recording_count - 1];
+    last->is_finished = softsim_log_finish(&hub->log, &error) == SOFTSIM_OK;
+    if (!last->is_finished) {
+        snprintf(hub->record_fault, sizeof hub->record_fault, "%.255s", error.text);
+    }
+    hub->is_record_wanted = false;
+    ++hub->recording_version;
+    change(hub);
+}
+
+static void begin_recording(ss_hub *hub)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    hub->record_fault[0] = '\0';
+    ++hub->recording_version;
+    change(hub);
+    if (hub->recording_count == RECORDINGS) {
+        hub->is_record_wanted = false;
+        snprintf(hub->record_fault, sizeof hub->record_fault,
+                 "%d recordings are enough for one run; restart softsim-web", RECORDINGS);
+        return;
+    }
+    recording *next = &hub->recordings[hub->recording_count];
+    const time_t now = time(NULL);
+    struct tm parts;
+    char stamp[32] = "";
+    gmtime_r(&now, &parts);
+    strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &parts);
+    snprintf(next->name, sizeof next->name, "softsim-%s-%d.lcmlog", stamp,
+             hub->recording_count + 1);
+    if (asprintf(&next->path, "%s/%s", hub->config.record_dir, next->name) < 0 ||
+        softsim_log_create(next->path, &hub->log, &error) != SOFTSIM_OK) {
+        hub->is_record_wanted = false;
+        snprintf(hub->record_fault, sizeof hub->record_fault, "%.255s", error.text);
+        return;
+    }
+    hub->recorded = 0;
+    ++hub->recording_count;
+}
+
+static void take_raw(void *context, const char *channel, const void *data, int32_t size)
+{
+    ss_hub *hub = context;
+    pthread_mutex_lock(&hub->lock);
+    if (hub->log != NULL) {
+        softsim_log_write(hub->log, softsim_client_now_us(), channel, data, size);
+        hub->recorded += size;
+        if (hub->recorded > MOST_RECORDED || softsim_log_has_failed(hub->log)) {
+            end_recording(hub);
+        }
+    }
+    pthread_mutex_unlock(&hub->lock);
+}
+
+/* ---- the hub's thread ---- */
+
+static void send_pose(ss_hub *hub, int64_t now_ns)
+{
+    softsim_pose pose = {.force_seq = -1, .applied_force = {(double)NAN, (double)NAN, (double)NAN}};
+    pthread_mutex_lock(&hub->lock);
+    const bool was_held = hub->mouse.is_held;
+    const bool is_due = ss_mouse_move(&hub->mouse, now_ns, &pose);
+    if (was_held && !hub->mouse.is_held) {
+        hub->mouse_browser = 0;
+        ++hub->hand_version;
+        change(hub);
+    }
+    pose.probe = hub->mouse_probe;
+    pose.seq = is_due ? ++hub->pose_seq : 0;
+    pthread_mutex_unlock(&hub->lock);
+    if (is_due) {
+        pose.utime_us = now_ns / 1000;
+        pose.sender = softsim_client_sender(hub->client);
+        softsim_client_send_pose(hub->client, &pose, pose.probe);
+    }
+}
+
+static void send_commands(ss_hub *hub)
+{
+    for (;;) {
+        pthread_mutex_lock(&hub->lock);
+        const bool is_there = hub->command_taken != hub->command_put;
+        const command next = hub->command[hub->command_taken % COMMANDS];
+        hub->command_taken += is_there;
+        pthread_mutex_unlock(&hub->lock);
+        if (!is_there) {
+            return;
+        }
+        const int32_t id = softsim_client_send_command(hub->client, next.name, next.argument);
+        pthread_mutex_lock(&hub->lock);
+        hub->asked[(uint32_t)id % COMMANDS] = next.browser;
+        pthread_mutex_unlock(&hub->lock);
+    }
+}
+
+/* Switches the recording, notes that the server is silent, and wakes the browsers' side when there
+ * is something new. When to look again. */
+static int64_t look_around(ss_hub *hub, int64_t now_ns)
+{
+    pthread_mutex_lock(&hub->lock);
+    if (hub->is_record_wanted && hub->log == NULL) {
+        begin_recording(hub);
+    } else if (!hub->is_record_wanted && hub->log != NULL) {
+        end_recording(hub);
+    }
+    const int64_t heard_ns = hub->status_ns != 0 ? hub->status_ns : hub->start_ns;
+    if (!hub->is_silent && now_ns - heard_ns > SILENT_NS) {
+        hub->is_silent = true;
+        ++hub->silence_version;
+        change(hub);
+    }
+    const bool is_due = now_ns - hub->woken_ns >= (hub->is_changed ? FRAME_NS : HEARTBEAT_NS);
+    int64_t next_ns = now_ns + (hub->mouse.is_held ? POSE_NS : IDLE_NS);
+    if (is_due) {
+        hub->is_changed = false;
+        hub->woken_ns = now_ns;
+    } else if (hub->is_changed && hub->woken_ns + FRAME_NS < next_ns) {
+        next_ns = hub->woken_ns + FRAME_NS;
+    }
+    pthread_mutex_unlock(&hub->lock);
+    if (is_due) {
+        hub->config.wake(hub->config.context);
+    }
+    return next_ns;
+}
+
+static void *run(void *argument)
+{
+    ss_hub *hub = argument;
+    int64_t pose_ns = 0;
+    while (!atomic_load(&hub->is_ending)) {
+        int64_t now_ns = softsim_client_now_ns();
+        send_commands(hub);
+        if (now_ns >= pose_ns) {
+            send_pose(hub, now_ns);
+            pose_ns = now_ns + POSE_NS;
+        }
+        const int64_t next_ns = look_around(hub, now_ns);
+        if (softsim_client_wait(hub->client, next_ns) < 0) {
+            atomic_store(&hub->is_broken, true);
+            hub->config.wake(hub->config.context);
+            break;
+        }
+    }
+    return NULL;
+}
+
+/* ---- opening ---- */
+
+void ss_hub_close(ss_hub **hub)
+{
+    ss_hub *h = *hub;
+    if (h == NULL) {
+        return;
+    }
+    atomic_store(&h->is_ending, true);
+    if (h->has_thread) {
+        pthread_join(h->thread, NULL);
+    }
+    if (h->log != NULL) {
+        end_recording(h);
+    }
+    softsim_client_close(&h->client);
+    for (int32_t i = 0; i < h->recording_count; ++i) {
+        if (h->config.is_temporary) {
+            remove(h->recordings[i].path);
+        }
+        free(h->recordings[i].path);
+    }
+    ss_body_free(&h->body);
+    free(h->scene);
+    free(h->status);
+    pthread_mutex_destroy(&h->lock);
+    free(h);
+    *hub = NULL;
+}
+
+softsim_status ss_hub_open(const ss_hub_config *config, ss_hub **out_hub, softsim_error *error)
+{
+    *out_hub = NULL;
+    ss_hub *hub = calloc(1, sizeof *hub);
+    if (hub == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    hub->config = *config;
+    hub->start_ns = softsim_client_now_ns();
+    pthread_mutex_init(&hub->lock, NULL);
+    const softsim_client_config client = {.lcm_url = config->lcm_url,
+                                          .prefix = config->prefix,
+                                          .context = hub,
+                                          .hears_all = true,
+                                          .handle_force = take_force,
+                                          .handle_status = take_status,
+                                          .handle_reply = take_reply,
+                                          .handle_scene = take_scene,
+                                          .handle_topology = take_topology,
+                                          .handle_delta = take_delta,
+                                          .handle_field = take_field,
+                                          .handle_pose = take_pose,
+                                          .handle_raw = take_raw};
+    softsim_status status = softsim_client_open(&client, &hub->client, error);
+    if (status == SOFTSIM_OK && pthread_create(&hub->thread, NULL, run, hub) != 0) {
+        status = SOFTSIM_ERROR_SYSTEM;
+        softsim_error_add(error, status, "cannot start a thread; raise `ulimit -u`");
+    }
+    hub->has_thread = status == SOFTSIM_OK;
+    *out_hub = hub;
+    if (status != SOFTSIM_OK) {
+        ss_hub_close(out_hub);
+    }
+    return status;
+}
+
+bool ss_hub_is_broken(const ss_hub *hub)
+{
+    return atomic_load(&hub->is_broken);
+}
+
+/* ---- for browsers ---- */
+
+static uint8_t *force_frame(const ss_hub *hub, ss_hub_view *view, int32_t p, size_t before,
+                            size_t *out_size)
+{
+    const probe_state *probe = &hub->probe[p];
+    const softsim_force *f = &probe->force;
+    const uint64_t oldest = probe->count > SAMPLES ? probe->count - SAMPLES : 0;
+    uint64_t next = view->sample[p] > oldest ? view->sample[p] : oldest;
+    const uint16_t count = (uint16_t)(probe->count - next);
+    *out_size = 4 + (STATE_FLOATS + (size_t)count * SAMPLE_FLOATS) * sizeof(float);
+    uint8_t *frame = malloc(before + *out_size);
+    if (frame == NULL) {
+        return NULL;
+    }
+    const double *x = probe->has_pose ? probe->pose.position : f->proxy;
+    const double upright[4] = {1.0, 0.0, 0.0, 0.0};
+    const double *q = probe->has_pose ? probe->pose.orientation : upright;
+    const double state[STATE_FLOATS] = {f->flags,
+                                        x[0],
+                                        x[1],
+                                        x[2],
+                                        q[0],
+                                        q[1],
+                                        q[2],
+                                        q[3],
+                                        f->proxy[0],
+                                        f->proxy[1],
+                                        f->proxy[2],
+                                        f->point[0],
+                                        f->point[1],
+                                        f->point[2],
+                                        f->normal[0],
+                                        f->normal[1],
+                                        f->normal[2],
+                                        f->force[0],
+                                        f->force[1],
+                                        f->force[2],
+                                        f->torque[0],
+                                        f->torque[1],
+                                        f->torque[2],
+                                        f->depth,
+                                        probe->indentation.value,
+                                        f->stiffness,
+                                        1e-6 * (double)f->model_age_us};
+    uint8_t *at = frame + before;
+    *at++ = 4;
+    *at++ = (uint8_t)p;
+    memcpy(at, &count, sizeof count);
+    at += sizeof count;
+    for (int i = 0; i < STATE_FLOATS; ++i) {
+        const float value = (float)state[i];
+        memcpy(at, &value, sizeof value);
+        at += sizeof value;
+    }
+    for (; next < probe->count; ++next) {
+        memcpy(at, &probe->ring[next % SAMPLES], sizeof(sample));
+        at += sizeof(sample);
+    }
+    view->sample[p] = probe->count;
+    return frame;
+}
+
+static uint8_t *text_message(const char *text, size_t before, size_t *out_size)
+{
+    *out_size = strlen(text);
+    uint8_t *message = malloc(before + *out_size);
+    if (message != NULL) {
+        memcpy(message + before, text, *out_size);
+    }
+    return message;
+}
+
+static uint8_t *hand_text(const ss_hub *hub, const ss_hub_view *view, size_t before, size_t *size)
+{
+    char text[160];
+    const char *who = hub->mouse_browser == 0               ? "nobody"
+                      : hub->mouse_browser == view->browser ? "you"
+                                                            : "another browser";
+    snprintf(text, sizeof text, "{\"type\": \"hand\", \"holder\": \"%s\", \"refused\": %s}", who,
+             hub->is_refused && hub->mouse_browser != 0 ? "true" : "false");
+    return text_message(text, before, size);
+}
+
+static uint8_t *recording_text(const ss_hub *hub, size_t before, size_t *out_size)
+{
+    char *json = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&json, &size);
+    if (out == NULL) {
+        return NULL;
+    }
+    fprintf(out, "{\"type\": \"recording\", \"is_recording\": %s, \"fault\": ",
+            hub->log != NULL ? "true" : "false");
+    ss_plain_json(out, hub->record_fault);
+    fputs(", \"files\": [", out);
+    const char *comma = "";
+    for (int32_t i = 0; i < hub->recording_count; ++i) {
+        if (hub->recordings[i].is_finished) {
+            fprintf(out, "%s\"%s\"", comma, hub->recordings[i].name);
+            comma = ", ";
+        }
+    }
+    fputs("]}", out);
+    fclose(out);
+    uint8_t *message = json != NULL ? text_message(json, before, out_size) : NULL;
+    free(json);
+    return message;
+}
+
+static uint8_t *next_reply(const ss_hub *hub, ss_hub_view *view, size_t before, size_t *out_size)
+{
+    if (hub->reply_count - view->reply > REPLIES) {
+        view->reply = hub->reply_count - REPLIES;
+    }
+    while (view->reply < hub->reply_count) {
+        const reply *next = &hub->reply[view->reply++ % REPLIES];
+        char *json = NULL;
+        size_t size = 0;
+        FILE *out = next->browser == view->browser ? open_memstream(&json, &size) : NULL;
+        if (out == NULL) {
+            continue;
+        }
+        fprintf(out, "{\"type\": \"reply\", \"code\": %d, \"text\": ", next->code);
+        ss_plain_json(out, next->text);
+        fputs("}", out);
+        fclose(out);
+        uint8_t *message = json != NULL ? text_message(json, before, out_size) : NULL;
+        free(json);
+        return message;
+    }
+    return NULL;
+}
+
+static bool is_behind(uint64_t *seen, uint64_t version)
+{
+    const bool is_behind = *seen != version;
+    *seen = version;
+    return is_behind;
+}
+
+static uint8_t *next_text(const ss_hub *hub, ss_hub_view *view, size_t before, size_t *size)
+{
+    if (hub->scene != NULL && is_behind(&view->scene, hub->scene_version)) {
+        return text_message(hub->scene, before, size);
+    }
+    if (hub->status != NULL && is_behind(&view->status, hub->status_version)) {
+        return text_message(hub->status, before, size);
+    }
+    if (is_behind(&view->silence, hub->silence_version)) {
+        return text_message(hub->is_silent ? "{\"type\": \"silent\", \"is_silent\": true}"
+                                           : "{\"type\": \"silent\", \"is_silent\": false}",
+                            before, size);
+    }
+    if (is_behind(&view->hand, hub->hand_version)) {
+        return hand_text(hub, view, before, size);
+    }
+    if (is_behind(&view->recording, hub->recording_version)) {
+        return recording_text(hub, before, size);
+    }
+    return next_reply(hub, view, before, size);
+}
+
+uint8_t *ss_hub_next(ss_hub *hub, ss_hub_view *view, size_t before, size_t *out_size,
+                     bool *out_is_text)
+{
+    pthread_mutex_lock(&hub->lock);
+    *out_is_text = true;
+    uint8_t *message = next_text(hub, view, before, out_size);
+    const int64_t now_ns = softsim_client_now_ns();
+    for (int32_t p = 0; message == NULL && p < SOFTSIM_MAX_PROBES; ++p) {
+        const probe_state *probe = &hub->probe[p];
+        if (view->sample[p] != probe->count && now_ns - probe->heard_ns < FORCE_SILENT_NS) {
+            *out_is_text = false;
+            message = force_frame(hub, view, p, before, out_size);
+        }
+    }
+    if (message == NULL) {
+        *out_is_text = false;
+        message = ss_body_frame(&hub->body, &view->body, before, out_size);
+    }
+    pthread_mutex_unlock(&hub->lock);
+    return message;
+}
+
+static void drop(ss_hub *hub, int64_t browser)
+{
+    if (hub->mouse_browser == browser) {
+        ss_mouse_drop(&hub->mouse);
+        hub->mouse_browser = 0;
+        hub->is_refused = false;
+        ++hub->hand_version;
+        change(hub);
+    }
+}
+
+void ss_hub_forget(ss_hub *hub, ss_hub_view *view)
+{
+    pthread_mutex_lock(&hub->lock);
+    drop(hub, view->browser);
+    pthread_mutex_unlock(&hub->lock);
+    ss_body_free_copy(&view->body);
+}
+
+void ss_hub_drop(ss_hub *hub, const ss_hub_view *view)
+{
+    pthread_mutex_lock(&hub->lock);
+    drop(hub, view->browser);
+    pthread_mutex_unlock(&hub->lock);
+}
+
+bool ss_hub_aim(ss_hub *hub, const ss_hub_view *view, int32_t probe, const ss_mouse_aim *aim)
+{
+    pthread_mutex_lock(&hub->lock);
+    const bool is_free = hub->mouse_browser == 0;
+    const bool is_mine = hub->mouse_browser == view->browser && hub->mouse_probe == probe;
+    bool is_taken = probe >= 0 && probe < SOFTSIM_MAX_PROBES && (is_free || is_mine);
+    is_taken = is_taken && ss_mouse_aim_at(&hub->mouse, aim, softsim_client_now_ns());
+    if (is_taken && is_free) {
+        hub->mouse_browser = view->browser;
+        hub->mouse_probe = probe;
+        ++hub->hand_version;
+        change(hub);
+    }
+    pthread_mutex_unlock(&hub->lock);
+    return is_taken;
+}
+
+bool ss_hub_command(ss_hub *hub, const ss_hub_view *view, const char *name, const char *argument)
+{
+    pthread_mutex_lock(&hub->lock);
+    const bool has_room = hub->command_put - hub->command_taken < COMMANDS;
+    if (has_room) {
+        command *next = &hub->command[hub->command_put++ % COMMANDS];
+        next->browser = view->browser;
+        snprintf(next->name, sizeof next->name, "%s", name);
+        snprintf(next->argument, sizeof next->argument, "%s", argument);
+    }
+    pthread_mutex_unlock(&hub->lock);
+    return has_room;
+}
+
+void ss_hub_record(ss_hub *hub, bool is_wanted)
+{
+    pthread_mutex_lock(&hub->lock);
+    hub->is_record_wanted = is_wanted;
+    pthread_mutex_unlock(&hub->lock);
+}
+
+const char *ss_hub_recording(ss_hub *hub, const char *name)
+{
+    const char *path = NULL;
+    pthread_mutex_lock(&hub->lock);
+    for (int32_t i = 0; i < hub->recording_count; ++i) {
+        if (hub->recordings[i].is_finished && strcmp(hub->recordings[i].name, name) == 0) {
+            path = hub->recordings[i].path;
+        }
+    }
+    pthread_mutex_unlock(&hub->lock);
+    return path;
+}

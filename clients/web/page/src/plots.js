@@ -1,0 +1,97 @@
+// Small plots on canvases: force over time with its greatest values, force against indentation,
+// step time and lateness.
+const SPAN_S = 10;
+
+function begin(canvas) {
+  const ratio = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight || canvas.height / ratio;
+  if (canvas.width !== Math.round(width * ratio)) {
+    if (!canvas.dataset.height) canvas.dataset.height = canvas.getAttribute('height');
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(Number(canvas.dataset.height) * ratio);
+    canvas.style.height = `${canvas.dataset.height}px`;
+  }
+  const context = canvas.getContext('2d');
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return { context, width, height: Number(canvas.dataset.height ?? height) };
+}
+
+const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+// 1, 2 or 5 times a power of ten, at least `value`.
+function round(value) {
+  const power = 10 ** Math.floor(Math.log10(Math.max(value, 1e-9)));
+  return [1, 2, 5, 10].map((m) => m * power).find((m) => m >= value * 0.999);
+}
+
+function frame({ context, width, height }, top, unit, bottomText) {
+  context.strokeStyle = style('--line');
+  context.fillStyle = style('--quiet');
+  context.font = '11px system-ui, sans-serif';
+  context.lineWidth = 1;
+  context.beginPath();
+  for (const y of [0.5, height / 2, height - 14.5]) {
+    context.moveTo(0, Math.round(y) + 0.5);
+    context.lineTo(width, Math.round(y) + 0.5);
+  }
+  context.stroke();
+  context.textAlign = 'left';
+  context.fillText(`${Number(top.toPrecision(3))} ${unit}`, 2, 11);
+  context.textAlign = 'right';
+  context.fillText(bottomText, width - 2, height - 3);
+}
+
+function line({ context }, points, colour, width = 1.5) {
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.lineJoin = 'round';
+  context.beginPath();
+  points.forEach(([x, y], i) => (i ? context.lineTo(x, y) : context.moveTo(x, y)));
+  context.stroke();
+}
+
+export class Plots {
+  constructor(time, depth, step) {
+    this.canvases = { time, depth, step };
+    this.samples = []; // [time, force, greatest, indentation]
+    this.steps = []; // [step p99 us, lateness p99 us]
+    this.last = 0;
+  }
+
+  takeSamples(values) {
+    for (let i = 0; i < values.length; i += 4) {
+      if (values[i] < this.last - SPAN_S) this.samples.length = 0; // another run
+      this.last = values[i];
+      if (values[i] > 0) this.samples.push([values[i], values[i + 1], values[i + 2], values[i + 3]]);
+    }
+    while (this.samples.length && this.samples[0][0] < this.last - SPAN_S) this.samples.shift();
+  }
+
+  takeStatus(status) {
+    this.steps.push([status.step_us[1] ?? 0, status.lateness_us[1] ?? 0]);
+    if (this.steps.length > 240) this.steps.shift();
+  }
+
+  draw() {
+    const accent = style('--accent'), force = style('--force');
+    const top = round(Math.max(0.1, ...this.samples.map((s) => s[2])));
+    const time = begin(this.canvases.time);
+    const y = (plot, value, most) => (plot.height - 15) * (1 - value / most) + 0.5;
+    const x = (t) => time.width * (1 + (t - this.last) / SPAN_S);
+    frame(time, top, 'N', 'last 10 s');
+    line(time, this.samples.map((s) => [x(s[0]), y(time, s[2], top)]), `${force}66`, 1);
+    line(time, this.samples.map((s) => [x(s[0]), y(time, s[1], top)]), force);
+
+    const depth = begin(this.canvases.depth);
+    const deepest = round(1e3 * Math.max(1e-4, ...this.samples.map((s) => s[3])));
+    frame(depth, top, 'N', `${Number(deepest.toPrecision(3))} mm`);
+    line(depth, this.samples.map((s) => [(depth.width * Math.max(0, 1e3 * s[3])) / deepest, y(depth, s[1], top)]), accent);
+
+    const step = begin(this.canvases.step);
+    const most = round(Math.max(10, ...this.steps.flat()));
+    frame(step, most, 'µs', 'step p99, lateness p99, last minute');
+    const across = (i) => (step.width * i) / 239;
+    line(step, this.steps.map((s, i) => [across(i), y(step, s[0], most)]), accent);
+    line(step, this.steps.map((s, i) => [across(i), y(step, s[1], most)]), style('--quiet'), 1);
+  }
+}

@@ -1,0 +1,94 @@
+// The tools in their true shapes: where the probe is, pale, and where its proxy stands; the contact
+// point with its normal, and the force as an arrow.
+import * as THREE from 'three';
+import { ConvexGeometry } from 'three/addons/geometries/ConvexGeometry.js';
+
+export function toolGeometry({ form, size, hull }) {
+  const alongZ = (geometry) => geometry.rotateX(Math.PI / 2); // three's axis is y
+  switch (form) {
+    case 'sphere': return new THREE.SphereGeometry(size[0], 48, 32);
+    case 'capsule': return alongZ(new THREE.CapsuleGeometry(size[0], size[1], 16, 40));
+    case 'cylinder': return alongZ(new THREE.CylinderGeometry(size[0], size[0], size[1], 48));
+    case 'cone': return alongZ(new THREE.ConeGeometry(size[0], size[1], 48));
+    case 'box': return new THREE.BoxGeometry(...size);
+    default: {
+      const points = [];
+      for (let i = 0; i < hull.length; i += 3) points.push(new THREE.Vector3(hull[i], hull[i + 1], hull[i + 2]));
+      return points.length > 3 ? new ConvexGeometry(points) : new THREE.SphereGeometry(1e-3);
+    }
+  }
+}
+
+// How far the tool reaches from its origin along its own axis z.
+export function toolReach({ form, size, hull }) {
+  switch (form) {
+    case 'sphere': return size[0];
+    case 'capsule': return size[0] + size[1] / 2;
+    case 'box': return size[2] / 2;
+    case 'convex': return Math.max(1e-4, ...hull.filter((_, i) => i % 3 === 2));
+    default: return size[1] / 2;
+  }
+}
+
+const STILL_S = 0.5;
+
+export class Tool extends THREE.Group {
+  constructor(description) {
+    super();
+    this.description = description;
+    this.reach = toolReach(description);
+    const geometry = toolGeometry(description);
+    this.probeMesh = new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({
+      color: 0x6f8296, transparent: true, opacity: 0.35, roughness: 0.4, depthWrite: false,
+    }));
+    this.proxyMesh = new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({
+      color: 0xd9dee3, roughness: 0.25, metalness: 0.55,
+    }));
+    this.arrow = new THREE.ArrowHelper(new THREE.Vector3(0, 0, 1), new THREE.Vector3(), 1, 0xe0662c);
+    this.spot = new THREE.Mesh(new THREE.SphereGeometry(1, 16, 12), new THREE.MeshBasicMaterial({ color: 0xe0662c }));
+    this.normal = new THREE.Line(new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3(0, 0, 1)]),
+      new THREE.LineBasicMaterial({ color: 0x0d7f83 }));
+    this.add(this.probeMesh, this.proxyMesh, this.arrow, this.spot, this.normal);
+    this.visible = false;
+    this.heard = -Infinity;
+  }
+
+  take(state, diagonal, newtonsAcross) {
+    this.state = state;
+    this.heard = performance.now();
+    const [w, x, y, z] = state.orientation;
+    const isTouching = (state.flags & 1) !== 0;
+    for (const [mesh, place] of [[this.probeMesh, state.position], [this.proxyMesh, isTouching ? state.proxy : state.position]]) {
+      mesh.position.fromArray(place);
+      mesh.quaternion.set(x, y, z, w);
+    }
+    const force = new THREE.Vector3().fromArray(state.force), size = force.length();
+    this.arrow.visible = this.spot.visible = this.normal.visible = isTouching;
+    if (isTouching) {
+      const point = new THREE.Vector3().fromArray(state.point);
+      const length = Math.max(0.02, Math.min(0.6, (0.35 * size) / newtonsAcross)) * diagonal;
+      this.arrow.visible = size > 1e-4;
+      this.arrow.position.fromArray(state.proxy);
+      if (size > 1e-4) this.arrow.setDirection(force.divideScalar(size));
+      this.arrow.setLength(length, 0.03 * diagonal, 0.018 * diagonal);
+      this.spot.position.copy(point);
+      this.spot.scale.setScalar(0.006 * diagonal);
+      this.normal.position.copy(point);
+      this.normal.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3().fromArray(state.normal));
+      this.normal.scale.setScalar(0.1 * diagonal);
+    }
+  }
+
+  // A tool that nobody moves any more is not there.
+  update(isForceShown) {
+    this.visible = performance.now() - this.heard < 1000 * STILL_S;
+    const isTouching = this.state && (this.state.flags & 1) !== 0;
+    this.arrow.visible = this.arrow.visible && isForceShown;
+    this.normal.visible = this.spot.visible = Boolean(isTouching && isForceShown);
+  }
+
+  dispose() {
+    this.probeMesh.geometry.dispose();
+    for (const part of [this.probeMesh, this.proxyMesh, this.spot, this.normal]) part.material.dispose();
+  }
+}

@@ -1,0 +1,455 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "serve.h"
+
+#include <libwebsockets.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "softsim/client.h"
+
+enum {
+    LINE_SIZE = 512,
+    LINES_PER_S = 400,
+    LINES_BURST = 200,
+    BROWSERS = 32,
+    CONNECTIONS = 128,
+    CHUNK = 16384, /* bytes of a file at once */
+    PATH_SIZE = 256,
+    REFUSED = 1 /* of callbacks: answered already */
+};
+
+typedef struct browser browser;
+
+struct ss_serve {
+    struct lws_context *context;
+    struct lws_vhost *vhost;
+    ss_hub *hub;
+    char token[128];
+    bool is_loopback;
+    int32_t port;
+    int32_t browsers;
+    int64_t last_browser;
+    atomic_bool is_news;
+};
+
+/* Of one connection; zero at first. */
+struct browser {
+    /* HTTP: what is left to send of a file */
+    const unsigned char *at, *end;
+    /* WebSocket */
+    bool is_open;
+    ss_hub_view view;
+    char line[LINE_SIZE + 1];
+    size_t length;
+    double lines_left;
+    int64_t line_ns;
+};
+
+/* ---- who may ---- */
+
+/* Takes as long for every guess. */
+static bool is_same(const char *a, const char *b)
+{
+    const size_t n = strlen(a), m = strlen(b);
+    unsigned differ = n != m;
+    for (size_t i = 0; i < n; ++i) {
+        differ |= (unsigned)(a[i] ^ b[m > 0 ? i % m : 0]);
+    }
+    return differ == 0;
+}
+
+static bool has_token(const ss_serve *serve, struct lws *wsi)
+{
+    char value[sizeof serve->token + 8] = "";
+    if (serve->token[0] == '\0') {
+        return true;
+    }
+    const char *given = lws_get_urlarg_by_name(wsi, "token=", value, sizeof value);
+    return given != NULL && is_same(given, serve->token);
+}
+
+/* Does HOST[:PORT] name this machine's loopback? */
+static bool is_own_name(const char *host)
+{
+    static const char *const names[] = {"localhost", "127.0.0.1"};
+    const size_t length = strcspn(host, ":");
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (strlen(names[i]) == length && strncmp(host, names[i], length) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Of this machine, and from a page of ours or from no page. */
+static bool is_own_origin(const ss_serve *serve, struct lws *wsi)
+{
+    char host[PATH_SIZE] = "", origin[PATH_SIZE] = "";
+    if (lws_hdr_copy(wsi, host, sizeof host, WSI_TOKEN_HOST) < 1 ||
+        (serve->is_loopback && !is_own_name(host))) {
+        return false;
+    }
+    if (lws_hdr_total_length(wsi, WSI_TOKEN_ORIGIN) == 0) {
+        return true;
+    }
+    static const char *const schemes[] = {"http://", "https://"};
+    if (lws_hdr_copy(wsi, origin, sizeof origin, WSI_TOKEN_ORIGIN) < 1) {
+        return false;
+    }
+    for (size_t i = 0; i < sizeof schemes / sizeof schemes[0]; ++i) {
+        const size_t length = strlen(schemes[i]);
+        if (strncmp(origin, schemes[i], length) == 0 && strcmp(origin + length, host) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* ---- files ---- */
+
+static int refuse(struct lws *wsi, unsigned code)
+{
+    return lws_return_http_status(wsi, code, NULL) != 0 || lws_http_transaction_completed(wsi) != 0
+               ? -1
+               : 0;
+}
+
+static int begin_file(struct lws *wsi, browser *b, const ss_page_file *file)
+{
+    unsigned char head[LWS_PRE + 2048];
+    unsigned char *at = head + LWS_PRE, *end = head + sizeof head - 1;
+    if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, file->type,
+                                    (lws_filepos_t)(file->end - file->begin), &at, end) != 0 ||
+        lws_finalize_write_http_header(wsi, head + LWS_PRE, &at, end) != 0) {
+        return -1;
+    }
+    b->at = file->begin;
+    b->end = file->end;
+    lws_callback_on_writable(wsi);
+    return 0;
+}
+
+static int send_file(struct lws *wsi, browser *b)
+{
+    unsigned char chunk[LWS_PRE + CHUNK];
+    const size_t left = (size_t)(b->end - b->at);
+    const size_t size = left < CHUNK ? left : CHUNK;
+    if (b->at == NULL) {
+        return 0;
+    }
+    memcpy(chunk + LWS_PRE, b->at, size);
+    b->at += size;
+    const bool is_last = b->at == b->end;
+    if (lws_write(wsi, chunk + LWS_PRE, size, is_last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
+        (int)size) {
+        return -1;
+    }
+    if (is_last) {
+        b->at = NULL;
+        return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
+    }
+    lws_callback_on_writable(wsi);
+    return 0;
+}
+
+static int serve_file(ss_serve *serve, struct lws *wsi, browser *b)
+{
+    static const char recordings[] = "/recordings/";
+    char path[PATH_SIZE] = "";
+    if (!is_own_origin(serve, wsi) || !has_token(serve, wsi)) {
+        return refuse(wsi, HTTP_STATUS_FORBIDDEN);
+    }
+    if (lws_hdr_copy(wsi, path, sizeof path, WSI_TOKEN_GET_URI) < 1) {
+        return refuse(wsi, HTTP_STATUS_METHOD_NOT_ALLOWED);
+    }
+    const ss_page_file *file = ss_page_find(path);
+    if (file != NULL) {
+        return begin_file(wsi, b, file);
+    }
+    const char *recording = strncmp(path, recordings, sizeof recordings - 1) == 0
+                                ? ss_hub_recording(serve->hub, path + sizeof recordings - 1)
+                                : NULL;
+    if (recording == NULL) {
+        return refuse(wsi, HTTP_STATUS_NOT_FOUND);
+    }
+    static const char as_file[] = "content-disposition: attachment\x0d\x0a";
+    const int sent = lws_serve_http_file(wsi, recording, "application/octet-stream", as_file,
+                                         (int)sizeof as_file - 1);
+    return sent < 0 || (sent > 0 && lws_http_transaction_completed(wsi) != 0) ? -1 : 0;
+}
+
+/* ---- what a browser says ---- */
+
+/* A number of `text` from *at on, which then stands behind it; false without one. */
+static bool read_number(char **at, double *out)
+{
+    char *end = NULL;
+    *out = strtod(*at, &end);
+    const bool is_number = end != *at && (*end == ' ' || *end == '\0');
+    *at = end;
+    return is_number;
+}
+
+static bool aim(ss_serve *serve, browser *b, char *numbers)
+{
+    double value[9];
+    for (int i = 0; i < 9; ++i) {
+        if (!read_number(&numbers, &value[i])) {
+            return false;
+        }
+    }
+    const ss_mouse_aim aimed = {.position = {value[1], value[2], value[3]},
+                                .orientation = {value[4], value[5], value[6], value[7]},
+                                .is_grasping = value[8] == 1.0};
+    if (*numbers != '\0' || !(value[0] >= 0.0 && value[0] < SOFTSIM_MAX_PROBES)) {
+        return false;
+    }
+    (void)ss_hub_aim(serve->hub, &b->view, (int32_t)value[0], &aimed); /* it may be another's */
+    return true;
+}
+
+static bool obey(ss_serve *serve, browser *b)
+{
+    static const char command[] = "command ", aim_word[] = "aim ";
+    char *line = b->line;
+    if (strcmp(line, "drop") == 0) {
+        ss_hub_drop(serve->hub, &b->view);
+        return true;
+    }
+    if (strcmp(line, "record 0") == 0 || strcmp(line, "record 1") == 0) {
+        ss_hub_record(serve->hub, line[sizeof "record " - 1] == '1');
+        return true;
+    }
+    if (strncmp(line, aim_word, sizeof aim_word - 1) == 0) {
+        return aim(serve, b, line + sizeof aim_word - 1);
+    }
+    if (strncmp(line, command, sizeof command - 1) != 0) {
+        return false;
+    }
+    char *name = line + sizeof command - 1;
+    char *argument = strchr(name, ' ');
+    if (argument != NULL) {
+        *argument++ = '\0';
+    }
+    (void)ss_hub_command(serve->hub, &b->view, name, argument != NULL ? argument : "");
+    return true;
+}
+
+/* Within what one may say a second? */
+static bool is_within_rate(browser *b)
+{
+    const int64_t now_ns = softsim_client_now_ns();
+    const double earned = 1e-9 * (double)(now_ns - b->line_ns) * LINES_PER_S;
+    b->lines_left = b->lines_left + earned < LINES_BURST ? b->lines_left + earned : LINES_BURST;
+    b->line_ns = now_ns;
+    b->lines_left -= 1.0;
+    return b->lines_left >= 0.0;
+}
+
+/* A piece of a message; -1 ends the connection. */
+static int hear(ss_serve *serve, struct lws *wsi, browser *b, const char *data, size_t size)
+{
+    if (lws_frame_is_binary(wsi) || b->length + size > LINE_SIZE ||
+        memchr(data, '\0', size) != NULL) {
+        return -1;
+    }
+    memcpy(b->line + b->length, data, size);
+    b->length += size;
+    if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) {
+        return 0;
+    }
+    b->line[b->length] = '\0';
+    b->length = 0;
+    return is_within_rate(b) && obey(serve, b) ? 0 : -1;
+}
+
+/* ---- what a browser gets ---- */
+
+/* One message; the next when this one has gone. A browser that does not read stays where it is. */
+static int tell(ss_serve *serve, struct lws *wsi, browser *b)
+{
+    size_t size = 0;
+    bool is_text = false;
+    if (lws_send_pipe_choked(wsi)) {
+        lws_callback_on_writable(wsi);
+        return 0;
+    }
+    uint8_t *message = ss_hub_next(serve->hub, &b->view, LWS_PRE, &size, &is_text);
+    if (message == NULL) {
+        return 0;
+    }
+    const int written =
+        lws_write(wsi, message + LWS_PRE, size, is_text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY);
+    free(message);
+    lws_callback_on_writable(wsi);
+    return written < (int)size ? -1 : 0;
+}
+
+static int open_browser(ss_serve *serve, struct lws *wsi, browser *b)
+{
+    *b = (browser){.is_open = true,
+                   .view = {.browser = ++serve->last_browser},
+                   .lines_left = LINES_BURST,
+                   .line_ns = softsim_client_now_ns()};
+    ++serve->browsers;
+    lws_callback_on_writable(wsi);
+    return 0;
+}
+
+static void close_browser(ss_serve *serve, browser *b)
+{
+    if (b->is_open) {
+        b->is_open = false;
+        --serve->browsers;
+        ss_hub_forget(serve->hub, &b->view);
+    }
+}
+
+/* 0: it may become a WebSocket. */
+static int judge_upgrade(ss_serve *serve, struct lws *wsi)
+{
+    char path[PATH_SIZE] = "";
+    unsigned code = 0;
+    if (lws_hdr_copy(wsi, path, sizeof path, WSI_TOKEN_GET_URI) < 1 || strcmp(path, "/ws") != 0) {
+        code = HTTP_STATUS_NOT_FOUND;
+    } else if (!is_own_origin(serve, wsi) || !has_token(serve, wsi)) {
+        code = HTTP_STATUS_FORBIDDEN;
+    } else if (serve->browsers >= BROWSERS || serve->hub == NULL) {
+        code = HTTP_STATUS_SERVICE_UNAVAILABLE;
+    }
+    if (code == 0) {
+        return 0;
+    }
+    return lws_return_http_status(wsi, code, NULL) < 0 ? -1 : REFUSED;
+}
+
+/* ---- the library ---- */
+
+static int handle(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in,
+                  size_t size)
+{
+    ss_serve *serve = lws_context_user(lws_get_context(wsi));
+    browser *b = user;
+    switch (reason) {
+    case LWS_CALLBACK_HTTP:
+        return serve_file(serve, wsi, b);
+    case LWS_CALLBACK_HTTP_WRITEABLE:
+        return send_file(wsi, b);
+    case LWS_CALLBACK_HTTP_FILE_COMPLETION:
+        return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
+    case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
+        return judge_upgrade(serve, wsi);
+    case LWS_CALLBACK_ESTABLISHED:
+        return open_browser(serve, wsi, b);
+    case LWS_CALLBACK_RECEIVE:
+        return hear(serve, wsi, b, in, size);
+    case LWS_CALLBACK_SERVER_WRITEABLE:
+        return tell(serve, wsi, b);
+    case LWS_CALLBACK_CLOSED:
+        close_browser(serve, b);
+        return 0;
+    case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
+        if (atomic_exchange(&serve->is_news, false)) {
+            lws_callback_on_writable_all_protocol(serve->context, lws_get_protocol(wsi));
+        }
+        return 0;
+    default:
+        return 0;
+    }
+}
+
+static const struct lws_protocols protocols[] = {{.name = "softsim",
+                                                  .callback = handle,
+                                                  .per_session_data_size = sizeof(browser),
+                                                  .rx_buffer_size = LINE_SIZE},
+                                                 {.name = NULL}};
+
+/* One script, one style, one socket, all of ours. */
+static const struct lws_protocol_vhost_options headers[] = {
+    {&headers[1], NULL, "content-security-policy:",
+     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+    {&headers[2], NULL, "x-content-type-options:", "nosniff"},
+    {&headers[3], NULL, "x-frame-options:", "DENY"},
+    {&headers[4], NULL, "cache-control:", "no-store"},
+    {NULL, NULL, "referrer-policy:", "no-referrer"}};
+
+static const lws_retry_bo_t pings = {.secs_since_valid_ping = 10, .secs_since_valid_hangup = 20};
+
+softsim_status ss_serve_open(const ss_serve_config *config, ss_serve **out_serve,
+                             softsim_error *error)
+{
+    *out_serve = NULL;
+    ss_serve *serve = calloc(1, sizeof *serve);
+    if (serve == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    lws_set_log_level(0, NULL);
+    snprintf(serve->token, sizeof serve->token, "%s", config->token != NULL ? config->token : "");
+    serve->is_loopback = strncmp(config->host, "127.", 4) == 0;
+    const struct lws_context_creation_info info = {
+        .port = config->port,
+        .iface = strcmp(config->host, "0.0.0.0") == 0 ? NULL : config->host,
+        .protocols = protocols,
+        .headers = headers,
+        .user = serve,
+        .gid = -1,
+        .uid = -1,
+        .options = LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
+                   LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND,
+        .timeout_secs = 10,
+        .keepalive_timeout = 10,
+        .max_http_header_pool = CONNECTIONS,
+        .fd_limit_per_thread = CONNECTIONS,
+        .retry_and_idle_policy = &pings};
+    serve->context = lws_create_context(&info);
+    serve->vhost = serve->context != NULL ? lws_create_vhost(serve->context, &info) : NULL;
+    if (serve->vhost == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
+                          "cannot listen on %s, port %d: is the port taken, the address this "
+                          "machine's? give another --port or --host",
+                          config->host, config->port);
+        ss_serve_close(&serve);
+        return SOFTSIM_ERROR_NETWORK;
+    }
+    serve->port = lws_get_vhost_listen_port(serve->vhost);
+    *out_serve = serve;
+    return SOFTSIM_OK;
+}
+
+void ss_serve_close(ss_serve **serve)
+{
+    if (*serve != NULL) {
+        if ((*serve)->context != NULL) {
+            lws_context_destroy((*serve)->context);
+        }
+        free(*serve);
+        *serve = NULL;
+    }
+}
+
+void ss_serve_attach(ss_serve *serve, ss_hub *hub)
+{
+    serve->hub = hub;
+}
+
+int32_t ss_serve_port(const ss_serve *serve)
+{
+    return serve->port;
+}
+
+bool ss_serve_run(ss_serve *serve)
+{
+    return lws_service(serve->context, 0) >= 0;
+}
+
+void ss_serve_wake(void *context)
+{
+    ss_serve *serve = context;
+    atomic_store(&serve->is_news, true);
+    lws_cancel_service(serve->context);
+}

@@ -1,0 +1,487 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-web as programs meet it: who gets in, what a browser is told and may say, what the
+ * hostile get. The daemon and the viewer are the real ones; the browser is a socket of ours.
+ */
+#include "common/test.h"
+
+#include <arpa/inet.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "common/folder_fixture.h"
+#include "process/process.h"
+
+enum { TEXT = 1, BINARY = 2, CLOSE = 8, PING = 9, MESSAGE_SIZE = 1 << 20, CROWD = 100 };
+enum { TOPOLOGY_FRAME = 1, DELTA_FRAME = 2, FORCE_FRAME = 4, STATE_FORCE = 17 };
+
+static process server, web;
+static int port;
+
+/* ---- sockets ---- */
+
+static int dial(void)
+{
+    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const struct sockaddr_in address = {.sin_family = AF_INET,
+                                        .sin_port = htons((uint16_t)port),
+                                        .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    const struct timeval patience = {.tv_sec = (time_t)HANG_S};
+    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    return fd;
+}
+
+static bool say(int fd, const void *data, size_t size)
+{
+    return send(fd, data, size, MSG_NOSIGNAL) == (ssize_t)size;
+}
+
+static bool hear(int fd, void *out, size_t size)
+{
+    uint8_t *at = out;
+    while (size > 0) {
+        const ssize_t count = recv(fd, at, size, 0);
+        if (count <= 0) {
+            return false;
+        }
+        at += count;
+        size -= (size_t)count;
+    }
+    return true;
+}
+
+/* The status of an answer, 0 without one; its head in `out_head`. */
+static int hear_head(int fd, char *out_head, size_t size)
+{
+    size_t length = 0;
+    int status = 0;
+    while (length + 1 < size && hear(fd, out_head + length, 1)) {
+        ++length;
+        if (length >= 4 && memcmp(out_head + length - 4, "\r\n\r\n", 4) == 0) {
+            break;
+        }
+    }
+    out_head[length] = '\0';
+    return sscanf(out_head, "HTTP/1.%*1[01] %d", &status) == 1 ? status : 0;
+}
+
+/* `request` is a whole one; the answer's status. */
+static int ask(const char *request)
+{
+    char head[4096];
+    const int fd = dial();
+    say(fd, request, strlen(request));
+    const int status = hear_head(fd, head, sizeof head);
+    close(fd);
+    return status;
+}
+
+static int get(const char *path, const char *more)
+{
+    char request[2048];
+    snprintf(request, sizeof request, "GET %s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n%s\r\n", path, port,
+             more);
+    return ask(request);
+}
+
+/* ---- a browser ---- */
+
+static int upgrade(const char *path, const char *more, int *out_status)
+{
+    char request[1024], head[4096];
+    const int fd = dial();
+    snprintf(request, sizeof request,
+             "GET %s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nConnection: Upgrade\r\nUpgrade: "
+             "websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
+             "dGhlIHNhbXBsZSBub25jZQ==\r\n%s\r\n",
+             path, port, more);
+    say(fd, request, strlen(request));
+    *out_status = hear_head(fd, head, sizeof head);
+    return fd;
+}
+
+static int open_browser(void)
+{
+    int status = 0;
+    const int fd = upgrade("/ws", "", &status);
+    assert_int_equal(status, 101);
+    return fd;
+}
+
+/* A masked frame, as a browser sends it. */
+static bool send_frame(int fd, int kind, const void *data, size_t size)
+{
+    uint8_t frame[8192] = {(uint8_t)(0x80 | kind)};
+    size_t head = 2;
+    assert_true(size < sizeof frame - 8);
+    frame[1] = (uint8_t)(0x80 | (size < 126 ? size : 126));
+    if (size >= 126) {
+        frame[2] = (uint8_t)(size >> 8);
+        frame[3] = (uint8_t)size;
+        head = 4;
+    }
+    static const uint8_t mask[4] = {1, 2, 3, 4};
+    memcpy(frame + head, mask, 4);
+    for (size_t i = 0; i < size; ++i) {
+        frame[head + 4 + i] = ((const uint8_t *)data)[i] ^ mask[i % 4];
+    }
+    return say(fd, frame, head + 4 + size);
+}
+
+static bool send_line(int fd, const char *line)
+{
+    return send_frame(fd, TEXT, line, strlen(line));
+}
+
+static uint8_t message[MESSAGE_SIZE + 1];
+
+/* The next message's kind, its size in *out_size, itself in `message`; 0 when it is over. */
+static int hear_frame(int fd, size_t *out_size)
+{
+    uint8_t head[10];
+    *out_size = 0;
+    bool is_last = false;
+    int kind = 0;
+    while (!is_last) {
+        if (!hear(fd, head, 2)) {
+            return 0;
+        }
+        is_last = (head[0] & 0x80) != 0;
+        kind = kind != 0 ? kind : head[0] & 15;
+        uint64_t size = head[1] & 127;
+        const int more = size == 126 ? 2 : size == 127 ? 8 : 0;
+        if (!hear(fd, head + 2, (size_t)more)) {
+            return 0;
+        }
+        for (int i = 0; i < more; ++i) {
+            size = (i > 0 ? size << 8 : 0) | head[2 + i];
+        }
+        assert_true(*out_size + size <= MESSAGE_SIZE);
+        if (!hear(fd, message + *out_size, size)) {
+            return 0;
+        }
+        *out_size += size;
+    }
+    message[*out_size] = '\0';
+    return kind;
+}
+
+/* Reads until a text with `part` comes. */
+static void expect_text(int fd, const char *part)
+{
+    size_t size = 0;
+    for (;;) {
+        const int kind = hear_frame(fd, &size);
+        assert_int_not_equal(kind, 0);
+        assert_int_not_equal(kind, CLOSE);
+        if (kind == TEXT && strstr((const char *)message, part) != NULL) {
+            return;
+        }
+    }
+}
+
+/* Reads until a frame of that first byte comes; its size. */
+static size_t expect_frame(int fd, int first)
+{
+    size_t size = 0;
+    for (;;) {
+        const int kind = hear_frame(fd, &size);
+        assert_int_not_equal(kind, 0);
+        if (kind == BINARY && message[0] == first) {
+            return size;
+        }
+    }
+}
+
+static void expect_end(int fd)
+{
+    size_t size = 0;
+    int kind = 0;
+    do {
+        kind = hear_frame(fd, &size);
+    } while (kind != 0 && kind != CLOSE);
+    close(fd);
+}
+
+/* ---- start and end ---- */
+
+static void start_web(const char *host, const char *token, const char *record_dir)
+{
+    const char *argv[12] = {"softsim-web", "--port", "0", "--host", host};
+    int count = 5;
+    if (token != NULL) {
+        argv[count++] = "--token";
+        argv[count++] = token;
+    }
+    if (record_dir != NULL) {
+        argv[count++] = "--record-dir";
+        argv[count++] = record_dir;
+    }
+    process_start(&web, argv, NULL);
+    if (!process_wait_for(&web, " in a browser")) {
+        fail_msg("%s", web.err);
+    }
+    const char *address = strstr(web.err, "open http://");
+    assert_non_null(address);
+    address = strchr(address + sizeof "open http://" - 1, ':');
+    assert_non_null(address);
+    port = atoi(address + 1);
+}
+
+static void stop_web(int status)
+{
+    process_signal(&web, SIGTERM);
+    const int ended = process_finish(&web);
+    if (ended != status) {
+        fail_msg("softsim-web ended with %d:\n%s", ended, web.err);
+    }
+}
+
+static int start_all(void **state)
+{
+    make_folder(state);
+    const char *const argv[] = {"softsimd", SOURCE_DIR "/server/scenes/kidney.yaml", "--realtime",
+                                "off", NULL};
+    process_start(&server, argv, NULL);
+    return process_wait_for(&server, "softsimd: ready") ? 0 : -1;
+}
+
+static int stop_all(void **state)
+{
+    process_signal(&server, SIGTERM);
+    remove_folder(state);
+    return process_finish(&server);
+}
+
+/* ---- claims ---- */
+
+TEST(only_pages_of_ours_get_in)
+{
+    int status = 0;
+    char origin[128];
+    start_web("127.0.0.1", NULL, NULL);
+    assert_int_equal(get("/", ""), 200);
+    assert_int_equal(get("/app.js", ""), 200);
+    assert_int_equal(get("/app.css", ""), 200);
+    assert_int_equal(get("/nothing", ""), 404);
+    assert_int_equal(get("/../../etc/passwd", ""), 404);
+    assert_int_equal(get("/recordings/x.lcmlog", ""), 404);
+    assert_int_equal(get("/recordings/%2e%2e%2f%2e%2e%2fetc%2fpasswd", ""), 404);
+    assert_int_equal(ask("GET / HTTP/1.1\r\nHost: attacker.example\r\n\r\n"), 403);
+    close(upgrade("/ws", "Origin: http://attacker.example\r\n", &status));
+    assert_int_equal(status, 403);
+    close(upgrade("/ws", "Origin: null\r\n", &status));
+    assert_int_equal(status, 403);
+    close(upgrade("/elsewhere", "", &status));
+    assert_int_equal(status, 404);
+    snprintf(origin, sizeof origin, "Origin: http://127.0.0.1:%d\r\n", port);
+    close(upgrade("/ws", origin, &status));
+    assert_int_equal(status, 101);
+    stop_web(0);
+}
+
+TEST(beyond_loopback_only_with_the_token)
+{
+    static const char *const bare[] = {"softsim-web", "--host", "0.0.0.0", NULL};
+    int status = 0;
+    assert_int_equal(process_run(&web, bare), 2);
+    assert_non_null(strstr(web.err, "give --token"));
+    start_web("0.0.0.0", "a-secret-of-ours", NULL);
+    assert_int_equal(get("/", ""), 403);
+    assert_int_equal(get("/?token=a-secret-of-other", ""), 403);
+    assert_int_equal(get("/?token=a-secret-of-ours", ""), 200);
+    close(upgrade("/ws", "", &status));
+    assert_int_equal(status, 403);
+    close(upgrade("/ws?token=a-secret-of-ours", "", &status));
+    assert_int_equal(status, 101);
+    stop_web(0);
+}
+
+TEST(a_browser_sees_the_body_and_pushes_it)
+{
+    start_web("127.0.0.1", NULL, NULL);
+    const int fd = open_browser(), other = open_browser();
+    expect_text(fd, "\"type\": \"scene\", \"name\": \"kidney.yaml\", \"model\": \"cnn-energy\"");
+    assert_non_null(strstr((const char *)message, "\"form\": \"sphere\", \"size\": [0.005"));
+    assert_non_null(
+        strstr((const char *)message, "{\"path\": \"haptic.max_force_n\", \"value\": "));
+    const size_t size = expect_frame(fd, TOPOLOGY_FRAME);
+    uint32_t nodes = 0;
+    memcpy(&nodes, message + 4, sizeof nodes);
+    assert_true(nodes > 1000 && size > 16 + 13 * (size_t)nodes);
+    expect_text(fd, "\"type\": \"status\", \"status\": {");
+
+    /* Half a millimetre into the kidney where README's bridge presses it. */
+    float force = 0.0F;
+    bool is_moved = false;
+    expect_text(other, "\"type\": \"status\"");
+    while (!is_moved || !(force > 0.05F)) {
+        assert_true(send_line(fd, "aim 0 0 0.006 0.0258 1 0 0 0 0"));
+        size_t length = 0;
+        assert_int_equal(send_frame(fd, PING, "", 0), true);
+        const int kind = hear_frame(fd, &length);
+        assert_int_not_equal(kind, 0);
+        is_moved = is_moved || (kind == BINARY && message[0] == DELTA_FRAME);
+        if (kind == BINARY && message[0] == FORCE_FRAME) {
+            float value[27];
+            memcpy(value, message + 4, sizeof value);
+            force = fmaxf(force, sqrtf(value[STATE_FORCE] * value[STATE_FORCE] +
+                                       value[STATE_FORCE + 1] * value[STATE_FORCE + 1] +
+                                       value[STATE_FORCE + 2] * value[STATE_FORCE + 2]));
+            assert_true(isfinite(force));
+        }
+    }
+    expect_text(other, "\"type\": \"hand\", \"holder\": \"another browser\"");
+    /* It goes without a word, and the other may have it. */
+    close(fd);
+    expect_text(other, "\"type\": \"hand\", \"holder\": \"nobody\"");
+    send_line(other, "aim 0 0 0.006 0.06 1 0 0 0 0");
+    expect_text(other, "\"type\": \"hand\", \"holder\": \"you\"");
+    send_line(other, "drop");
+    expect_text(other, "\"type\": \"hand\", \"holder\": \"nobody\"");
+    send_line(other, "command set haptic.max_force_n=3");
+    expect_text(other, "\"type\": \"reply\", \"code\": 0, \"text\": \"haptic.max_force_n = 3 N");
+    send_line(other, "command nonsense");
+    expect_text(other, "\"type\": \"reply\", \"code\": 2");
+    send_line(other, "command reset");
+    expect_text(other, "\"type\": \"reply\", \"code\": 0");
+    close(other);
+    stop_web(0);
+}
+
+TEST(a_recording_can_be_fetched_and_read)
+{
+    char path[512], request[256];
+    start_web("127.0.0.1", NULL, folder);
+    const int fd = open_browser();
+    send_line(fd, "record 1");
+    expect_text(fd, "\"type\": \"recording\", \"is_recording\": true");
+    for (int i = 0; i < 3; ++i) {
+        send_line(fd, "aim 0 0 0.006 0.06 1 0 0 0 0");
+        expect_frame(fd, FORCE_FRAME);
+    }
+    send_line(fd, "record 0");
+    expect_text(fd, "\"is_recording\": false, \"fault\": \"\", \"files\": [\"softsim-");
+    const char *name = strstr((const char *)message, "softsim-");
+    snprintf(request, sizeof request, "/recordings/%.*s", (int)strcspn(name, "\""), name);
+    assert_int_equal(get(request, ""), 200);
+    snprintf(path, sizeof path, "%s/%s", folder, request + sizeof "/recordings/" - 1);
+    static process run;
+    const char *const argv[] = {
+        "softsim-run", SOURCE_DIR "/server/scenes/kidney.yaml", "--poses", path, "--hash", NULL};
+    assert_int_equal(process_run(&run, argv), 0);
+    close(fd);
+    stop_web(0);
+}
+
+TEST(the_hostile_are_sent_away_and_the_rest_served)
+{
+    char line[1024];
+    start_web("127.0.0.1", NULL, NULL);
+    const int good = open_browser();
+    expect_text(good, "\"type\": \"status\"");
+
+    static const char *const bad[] = {"",
+                                      "nonsense",
+                                      "aim",
+                                      "aim 0 nan 0 0 1 0 0 0",
+                                      "aim 9 0 0 0 1 0 0 0 0",
+                                      "aim 0 0 0 0 1 0 0 0 0 0",
+                                      "aim 0 0x 0 0 1 0 0 0 0",
+                                      "record 2",
+                                      "drop it"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        const int fd = open_browser();
+        send_line(fd, bad[i]);
+        expect_end(fd);
+    }
+    int fd = open_browser(); /* a line that is too long */
+    memset(line, 'a', sizeof line);
+    send_frame(fd, TEXT, line, sizeof line);
+    expect_end(fd);
+    fd = open_browser(); /* no text */
+    send_frame(fd, BINARY, "drop", 4);
+    expect_end(fd);
+    fd = open_browser(); /* a NUL in it */
+    send_frame(fd, TEXT, "dr\0p", 4);
+    expect_end(fd);
+    fd = open_browser(); /* not masked, of 2^62 bytes */
+    static const uint8_t endless[] = {0x81, 127, 0x40, 0, 0, 0, 0, 0, 0, 0, 'x'};
+    say(fd, endless, sizeof endless);
+    close(fd);
+    fd = open_browser(); /* as many lines as the wire takes */
+    for (int i = 0; i < 4000 && send_line(fd, "drop"); ++i) {
+    }
+    expect_end(fd);
+
+    /* A crowd of which nobody says more than half a word, then one that says nothing at all. */
+    int crowd[CROWD];
+    for (int i = 0; i < CROWD; ++i) {
+        crowd[i] = dial();
+        say(crowd[i], "GET / HT", i % 2 == 0 ? 8 : 0);
+    }
+    send_line(good, "command status");
+    expect_text(good, "\"type\": \"reply\", \"code\": 0");
+    for (int i = 0; i < CROWD; ++i) {
+        close(crowd[i]);
+    }
+    assert_int_equal(get("/", ""), 200);
+    static char long_request[70000];
+    memset(long_request, 'a', sizeof long_request - 1);
+    memcpy(long_request, "GET /", 5);
+    fd = dial();
+    say(fd, long_request, sizeof long_request);
+    close(fd);
+    assert_int_equal(get("/", ""), 200);
+    close(good);
+    stop_web(0);
+}
+
+/* One that never reads is left behind, and nobody else with it. */
+TEST(who_does_not_read_holds_up_nobody)
+{
+    start_web("127.0.0.1", NULL, NULL);
+    const int asleep = open_browser(), awake = open_browser();
+    for (int i = 0; i < 40; ++i) {
+        send_line(awake, "aim 0 0 0.006 0.0258 1 0 0 0 0");
+        expect_frame(awake, FORCE_FRAME);
+    }
+    close(asleep);
+    close(awake);
+    stop_web(0);
+}
+
+TEST(bad_arguments_are_named)
+{
+    static const char *const bad[][3] = {{"--host", "nowhere", "give an IPv4 address"},
+                                         {"--token", "short", "give 8 to 100 characters"},
+                                         {"--record-dir", "/nonexistent", "not a folder"},
+                                         {"--port", "70000", "65535"},
+                                         {"--lcm-url", "tcpq://", "only udpm"}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        const char *const argv[] = {"softsim-web", bad[i][0], bad[i][1], NULL};
+        assert_int_equal(process_run(&web, argv), 2);
+        assert_non_null(strstr(web.err, bad[i][2]));
+    }
+    char taken[16];
+    start_web("127.0.0.1", NULL, NULL);
+    snprintf(taken, sizeof taken, "%d", port);
+    static process second;
+    const char *const argv[] = {"softsim-web", "--port", taken, NULL};
+    assert_int_equal(process_run(&second, argv), 1);
+    assert_non_null(strstr(second.err, "is the port taken"));
+    stop_web(0);
+}
+
+int main(void)
+{
+    return process_run_tests(start_all, stop_all);
+}

@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* softsim-web without a network: what a browser is sent of a body, and how its mouse moves a probe.
+ */
+#include "common/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "body.h"
+#include "mouse.h"
+#include "rt/vec.h"
+
+/* ---- the body ---- */
+
+enum { NODES = 6, TRIANGLES = 4, ROOM = 16 };
+
+static ss_body_view body;
+
+/* Nodes first .. first + nodes - 1 and triangles alike, of number `topology`. */
+static bool take_chunk(int32_t topology, int32_t first, int32_t nodes, int32_t first_triangle,
+                       int32_t triangles)
+{
+    static int32_t file_node[NODES], triangle[3 * TRIANGLES];
+    static uint8_t flag[NODES];
+    static float rest[3 * NODES];
+    for (int32_t i = 0; i < 3 * nodes; ++i) {
+        rest[i] = (float)(3 * first + i);
+    }
+    for (int32_t i = 0; i < 3 * triangles; ++i) {
+        triangle[i] = (first_triangle + i) % NODES;
+    }
+    for (int32_t i = 0; i < nodes; ++i) {
+        flag[i] = (uint8_t)((first + i) % 2);
+    }
+    const softsim_topology_chunk chunk = {.topology = topology,
+                                          .node_count = NODES,
+                                          .triangle_count = TRIANGLES,
+                                          .first_node = first,
+                                          .node_chunk = nodes,
+                                          .first_triangle = first_triangle,
+                                          .triangle_chunk = triangles,
+                                          .scale = 0.5F,
+                                          .file_node = file_node,
+                                          .node_flag = flag,
+                                          .rest = rest,
+                                          .triangle = triangle};
+    return ss_body_take_topology(&body, &chunk);
+}
+
+static void take_delta(int32_t topology, int32_t node, int16_t x)
+{
+    const int16_t displacement[3] = {x, 0, 0};
+    const softsim_mesh_delta delta = {
+        .topology = topology, .count = 1, .node = &node, .displacement = displacement};
+    ss_body_take_delta(&body, &delta);
+}
+
+/* The kind of the next frame for a browser, 0 without one; what it is of in *out. */
+static int next_frame(ss_body_copy *copy, uint8_t *out, size_t *out_size)
+{
+    uint8_t *frame = ss_body_frame(&body, copy, ROOM, out_size);
+    if (frame == NULL) {
+        return 0;
+    }
+    memcpy(out, frame + ROOM, *out_size);
+    free(frame);
+    return out[0];
+}
+
+static int forget_body(void **state)
+{
+    ss_body_free(&body);
+    body = (ss_body_view){0};
+    return 0;
+}
+
+TEST_WITH(a_body_is_shown_when_all_of_it_is_there, NULL, forget_body)
+{
+    ss_body_copy copy = {0};
+    uint8_t frame[512];
+    size_t size = 0;
+    uint32_t number = 0;
+    assert_true(take_chunk(1, 3, 3, 2, 2));
+    assert_true(take_chunk(1, 3, 3, 2, 2)); /* twice counts once */
+    assert_false(ss_body_is_due(&body, &copy));
+    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    assert_true(take_chunk(1, 0, 3, 0, 2));
+    assert_true(ss_body_is_due(&body, &copy));
+    assert_int_equal(next_frame(&copy, frame, &size), 1);
+    assert_int_equal(size, 16 + NODES * 13 + TRIANGLES * 12);
+    memcpy(&number, frame + 4, 4);
+    assert_int_equal(number, NODES);
+    float last = 0.0F;
+    memcpy(&last, frame + 16 + (3 * NODES - 1) * 4, 4);
+    assert_true(last == 3 * NODES - 1);
+    assert_int_equal(frame[size - 1], 1); /* flag of node 5 */
+    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    ss_body_free_copy(&copy);
+}
+
+/* One that takes every frame and one that takes none in between end with the same. */
+TEST_WITH(a_slow_browser_gets_what_it_lacks_and_no_more, NULL, forget_body)
+{
+    ss_body_copy quick = {0}, slow = {0};
+    uint8_t frame[512];
+    size_t size = 0;
+    uint32_t count = 0;
+    take_chunk(1, 0, 6, 0, 4);
+    next_frame(&quick, frame, &size);
+    next_frame(&slow, frame, &size);
+    for (int16_t x = 1; x <= 50; ++x) {
+        take_delta(1, x % 2, x);
+        assert_int_equal(next_frame(&quick, frame, &size), 2);
+        memcpy(&count, frame + 4, 4);
+        assert_int_equal(count, 1);
+    }
+    take_delta(1, 5, 7);
+    take_delta(1, 5, 0); /* there and back again: nothing to tell */
+    assert_int_equal(next_frame(&quick, frame, &size), 0);
+    assert_int_equal(next_frame(&slow, frame, &size), 2);
+    memcpy(&count, frame + 4, 4);
+    assert_int_equal(count, 2);
+    int16_t x[2];
+    memcpy(&x[0], frame + 8 + 2 * 4, 2);
+    memcpy(&x[1], frame + 8 + 2 * 4 + 6, 2);
+    assert_int_equal(x[0], 50);
+    assert_int_equal(x[1], 49);
+    assert_memory_equal(quick.displacement, slow.displacement, sizeof(int16_t[NODES][3]));
+    ss_body_free_copy(&quick);
+    ss_body_free_copy(&slow);
+}
+
+TEST_WITH(a_late_browser_gets_the_body_and_its_displacements, NULL, forget_body)
+{
+    ss_body_copy copy = {0};
+    uint8_t frame[512];
+    size_t size = 0;
+    take_chunk(1, 0, 6, 0, 4);
+    take_delta(1, 2, 9);
+    assert_int_equal(next_frame(&copy, frame, &size), 1);
+    assert_int_equal(next_frame(&copy, frame, &size), 2);
+    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    ss_body_free_copy(&copy);
+}
+
+TEST_WITH(another_body_starts_afresh, NULL, forget_body)
+{
+    ss_body_copy copy = {0};
+    uint8_t frame[512];
+    size_t size = 0;
+    take_chunk(1, 0, 6, 0, 4);
+    next_frame(&copy, frame, &size);
+    take_delta(2, 0, 9); /* of a topology that is not known */
+    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    take_chunk(2, 0, 6, 0, 4);
+    assert_int_equal(next_frame(&copy, frame, &size), 1);
+    ss_body_free_copy(&copy);
+}
+
+TEST_WITH(a_body_of_too_many_nodes_is_not_shown, NULL, forget_body)
+{
+    const softsim_topology_chunk chunk = {
+        .topology = 1, .node_count = SS_BODY_MAX_NODES + 1, .scale = 1.0F};
+    assert_false(ss_body_take_topology(&body, &chunk));
+    take_delta(1, 0, 3);
+    assert_false(ss_body_is_due(&body, &(ss_body_copy){0}));
+}
+
+TEST_WITH(a_field_goes_to_the_nodes_that_it_names, NULL, forget_body)
+{
+    static const int16_t value[] = {1, 2, 3};
+    ss_body_copy copy = {0};
+    uint8_t frame[512];
+    size_t size = 0;
+    const softsim_mesh_field field = {.topology = 1,
+                                      .first_node = 3,
+                                      .count = 3,
+                                      .name = "energy",
+                                      .unit = "J/m^3",
+                                      .high = 2.0F,
+                                      .value = value};
+    softsim_mesh_field beyond = field;
+    beyond.first_node = 4;
+    take_chunk(1, 0, 6, 0, 4);
+    next_frame(&copy, frame, &size);
+    ss_body_take_field(&body, &beyond);
+    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    ss_body_take_field(&body, &field);
+    assert_int_equal(next_frame(&copy, frame, &size), 3);
+    assert_int_equal(size, 16 + 2 * NODES);
+    int16_t last = 0;
+    memcpy(&last, frame + size - 2, 2);
+    assert_int_equal(last, 3);
+    ss_body_free_copy(&copy);
+}
+
+/* ---- the mouse ---- */
+
+static const int64_t MS = 1000000;
+
+static ss_mouse_aim aim_at(double x)
+{
+    return (ss_mouse_aim){.position = {x, 0, 0}, .orientation = {1, 0, 0, 0}};
+}
+
+/* However the mouse jumps, the probe goes no further than a server takes, and no faster than a
+ * meter a second; it arrives, and stands. */
+TEST(the_probe_follows_the_mouse_without_a_jump)
+{
+    ss_mouse mouse = {0};
+    softsim_pose pose = {0}, last = {0};
+    int64_t now_ns = 1000 * MS;
+    ss_mouse_aim aim = aim_at(0.0);
+    assert_true(ss_mouse_aim_at(&mouse, &aim, now_ns));
+    assert_true(ss_mouse_move(&mouse, now_ns, &last));
+    assert_true(ss_norm3(last.position) == 0.0);
+    for (int i = 0; i < 250; ++i) {
+        if (i % 4 == 0) {
+            aim = aim_at(i < 100 ? 0.2 : -0.1);
+            assert_true(ss_mouse_aim_at(&mouse, &aim, now_ns));
+        }
+        now_ns += 4 * MS;
+        assert_true(ss_mouse_move(&mouse, now_ns, &pose));
+        double way[3];
+        ss_sub3(way, pose.position, last.position);
+        assert_true(ss_norm3(way) <= 0.004 + 1e-12);
+        assert_true(ss_norm3(pose.velocity) <= 10.0);
+        last = pose;
+    }
+    assert_true(fabs(last.position[0] + 0.1) < 1e-4);
+}
+
+/* The closed form of equal roots, at steps of any length. */
+TEST(the_way_does_not_depend_on_the_period)
+{
+    double end[2];
+    for (int k = 0; k < 2; ++k) {
+        ss_mouse mouse = {0};
+        softsim_pose pose = {0};
+        int64_t now_ns = 1000 * MS;
+        ss_mouse_aim aim = aim_at(0.0);
+        ss_mouse_aim_at(&mouse, &aim, now_ns);
+        ss_mouse_move(&mouse, now_ns, &pose);
+        aim = aim_at(0.01);
+        ss_mouse_aim_at(&mouse, &aim, now_ns);
+        for (int i = 0; i < (k == 0 ? 40 : 10); ++i) {
+            now_ns += (k == 0 ? 1 : 4) * MS;
+            ss_mouse_move(&mouse, now_ns, &pose);
+        }
+        end[k] = pose.position[0];
+    }
+    assert_true(end[0] > 0.004 && fabs(end[0] - end[1]) < 1e-9);
+}
+
+TEST(a_place_out_of_reach_is_approached_by_silence)
+{
+    ss_mouse mouse = {0};
+    softsim_pose pose = {0};
+    int64_t now_ns = 1000 * MS;
+    ss_mouse_aim aim = aim_at(0.0);
+    ss_mouse_aim_at(&mouse, &aim, now_ns);
+    assert_true(ss_mouse_move(&mouse, now_ns, &pose));
+    ss_mouse_drop(&mouse);
+    aim = aim_at(0.5);
+    ss_mouse_aim_at(&mouse, &aim, now_ns);
+    assert_false(ss_mouse_move(&mouse, now_ns + 69 * MS, &pose));
+    assert_true(ss_mouse_move(&mouse, now_ns + 70 * MS, &pose));
+    assert_true(pose.position[0] == 0.5);
+}
+
+TEST(a_mouse_that_is_not_heard_of_lets_go)
+{
+    ss_mouse mouse = {0};
+    softsim_pose pose = {0};
+    const ss_mouse_aim aim = aim_at(0.0);
+    ss_mouse_aim_at(&mouse, &aim, 1000 * MS);
+    assert_true(ss_mouse_move(&mouse, 2500 * MS, &pose));
+    assert_false(ss_mouse_move(&mouse, 2501 * MS, &pose));
+    assert_false(mouse.is_held);
+}
+
+TEST(what_is_no_place_is_not_aimed_at)
+{
+    const ss_mouse_aim bad[] = {{.position = {(double)NAN, 0, 0}, .orientation = {1, 0, 0, 0}},
+                                {.position = {0, (double)INFINITY, 0}, .orientation = {1, 0, 0, 0}},
+                                {.position = {0, 0, 1e4}, .orientation = {1, 0, 0, 0}},
+                                {.orientation = {0, 0, 0, 0}},
+                                {.orientation = {1, 0.1, 0, 0}},
+                                {.orientation = {(double)NAN, 0, 0, 0}}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        ss_mouse mouse = {0};
+        assert_false(ss_mouse_aim_at(&mouse, &bad[i], 1000 * MS));
+        assert_false(mouse.is_held);
+    }
+}
+
+int main(void)
+{
+    return run_all_tests(NULL, NULL);
+}
