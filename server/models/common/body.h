@@ -94,6 +94,8 @@ typedef struct ss_body_plan {
     const ss_model_plan *plan; /* copied; what it points to outlives the body, but `param` */
     int32_t node_count;        /* the mesh's, and the model's own after them */
     const double *mass;        /* kg, node_count; copied. 0: a node that nothing moves */
+    const double *unweighed;   /* kg, node_count: mass without weight, added for the sake of the
+                                  step; NULL: none. Outlives the body */
     double mass_damping;       /* alpha, 1/s */
     double edge;               /* m, typical edge: a node moves at most 0.2 of it a sub-step */
     double planned_step;       /* s, the sub-step meant at rest: the contact's stiffness is chosen

@@ -46,9 +46,10 @@ softsim_status ss_body_loads_create(ss_body *body, softsim_error *error)
 
 static void add_gravity(ss_body *body, int32_t node)
 {
+    const double *unweighed = body->own.unweighed;
+    const double mass = body->nodes.mass[node] - (unweighed ? unweighed[node] : 0.0);
     for (int k = 0; k < 3; ++k) {
-        body->load_force[4 * (ptrdiff_t)node + k] +=
-            (ss_real)(body->nodes.mass[node] * body->plan.gravity[k]);
+        body->load_force[4 * (ptrdiff_t)node + k] += (ss_real)(mass * body->plan.gravity[k]);
     }
 }
 

@@ -12,7 +12,7 @@
  * an element (Fried 1972). Few elements decide it: mass is added to those with omega_e^2 above T,
  * as much as brings them to T, and T is the least that costs no more than the share of the whole
  * mass that is allowed (mass scaling: Olovsson, Simonsson and Unosson 2005 is one of its forms).
- * Inertia grows by that share, weight with it; statics without gravity do not change.
+ * Inertia grows by that share; the added mass has no weight, so that statics do not change.
  */
 #include <math.h>
 
@@ -135,8 +135,9 @@ softsim_status ss_quadratic_masses_create(const ss_quadratic_raised *raised,
     double *rate2 = ss_memory_get((size_t)count, sizeof *rate2);
     double *mass = ss_memory_get((size_t)count, sizeof *mass);
     *out = (ss_quadratic_masses){
-        .mass = ss_arena_get(arena, (size_t)raised->mesh.node_count, sizeof *out->mass)};
-    if (!rate2 || !mass || !out->mass) {
+        .mass = ss_arena_get(arena, (size_t)raised->mesh.node_count, sizeof *out->mass),
+        .added = ss_arena_get(arena, (size_t)raised->mesh.node_count, sizeof *out->added)};
+    if (!rate2 || !mass || !out->mass || !out->added) {
         ss_memory_free(rate2);
         ss_memory_free(mass);
         return SOFTSIM_ERROR_MEMORY;
@@ -156,6 +157,7 @@ softsim_status ss_quadratic_masses_create(const ss_quadratic_raised *raised,
         out->scaled_count += factor > 1.0;
         for (int n = 0; n < SS_QUADRATIC_NODES; ++n) {
             out->mass[raised->node[e][n]] += factor * mass[e] * share_of(n);
+            out->added[raised->node[e][n]] += (factor - 1.0) * mass[e] * share_of(n);
         }
     }
     ss_memory_free(rate2);

@@ -7,7 +7,7 @@
  *
  * raise.c makes the mesh with a node on every side out of the scene's, and the plan that speaks of
  * it; blocks.c lays the elements out for kernels.c; mass.c has masses and how much of them is added
- * for the sake of the step; stability.c the stable step.
+ * for the sake of the step; skin.c the surface that tools touch; stability.c the stable step.
  * Memory: in the arena given. Thread: what creates, set-up only; the rest by the simulation thread,
  * RT-safe and deterministic.
  */
@@ -33,7 +33,8 @@ typedef struct ss_quadratic_raised {
 } ss_quadratic_raised;
 
 /* A side's node is held, loaded or prescribed where both ends are and the side lies on the
- * surface, or where a whole tetrahedron around it is. `is_curved`: sides of the surface follow its
+ * surface, or where a whole tetrahedron around it is; what is prescribed there is the smooth field
+ * through the nodes around it. `is_curved`: sides of the surface follow its
  * normals. */
 softsim_status ss_quadratic_raise(const ss_model_plan *plan, bool is_curved, ss_arena *arena,
                                   ss_quadratic_raised *out, softsim_error *error);
@@ -59,6 +60,7 @@ bool ss_quadratic_blocks_create(const ss_quadratic_raised *raised, const ss_fem_
 
 typedef struct ss_quadratic_masses {
     double *mass;       /* kg, of every node of the raised mesh */
+    double *added;      /* kg of it that was added, and has no weight */
     double bound;       /* 1/s^2, the largest omega^2 of an element: none of the body's is larger */
     double plain_bound; /* the same before mass was added */
     double added_share; /* of the whole mass */
@@ -69,6 +71,36 @@ typedef struct ss_quadratic_masses {
 softsim_status ss_quadratic_masses_create(const ss_quadratic_raised *raised,
                                           const ss_fem_material *material, double most,
                                           ss_arena *arena, ss_quadratic_masses *out);
+
+/* ---- skin.c ---- */
+
+/* Each curved face in sixteen flat parts, whose corners ride on the face's nodes. */
+typedef struct ss_quadratic_skin {
+    const ss_quadratic_raised *raised;
+    ss_mesh mesh;
+    int32_t *first, *node; /* row s: node[first[s]] .. node[first[s + 1] - 1] */
+    ss_real *weight;
+    double sigma;                     /* kg/m^2, of the nodes that carry it */
+    double edge;                      /* m, mean */
+    double reach[SOFTSIM_MAX_PROBES]; /* m, from a tool's middle: skin that is laid each time */
+    int32_t *close, close_count;      /* that skin */
+    bool is_all_due;
+    double *load, *swing; /* scratch; load is clear between calls */
+} ss_quadratic_skin;
+
+softsim_status ss_quadratic_skin_create(const ss_quadratic_raised *raised, const double *mass,
+                                        ss_arena *arena, ss_quadratic_skin *out);
+/* What is near a tool at displacements u; NULL, NULL: all. Once an outer step, before it. */
+void ss_quadratic_skin_list(ss_quadratic_skin *skin, const ss_real *u,
+                            const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
+/* What ss_body_skin asks for; `owner` is the ss_quadratic. */
+void ss_quadratic_skin_lay(void *owner, const ss_real *u, ss_real *skin_u);
+void ss_quadratic_skin_carry(void *owner, int32_t count, const int32_t *node,
+                             const ss_real *skin_force, ss_real *force);
+void ss_quadratic_skin_carry_diagonal(void *owner, int32_t count, const int32_t *node,
+                                      const double *stiffness, double *diagonal);
+double ss_quadratic_skin_rate2(void *owner, int32_t count, const int32_t *node,
+                               const double *stiffness, const ss_real *mobility);
 
 /* ---- stability.c ---- */
 
@@ -94,6 +126,7 @@ typedef struct ss_quadratic {
     double viscous_time, mass_damping; /* s, 1/s */
     double *diagonal;                  /* N/m, a node's mean at rest */
     const ss_real *u;                  /* of the last force */
+    ss_quadratic_skin *skin;           /* the owner's; NULL without tools */
 } ss_quadratic;
 
 softsim_status ss_quadratic_create(const ss_quadratic_raised *raised,

@@ -239,7 +239,7 @@ static bool curve(const ss_mesh *given, const sides *s, ss_quadratic_raised *rai
     return is_good;
 }
 
-/* ---- the plan ---- */
+/* ---- sets of nodes ---- */
 
 /* A set of given nodes, by `bits` of each, goes on to the sides. */
 static void spread_bits(const sides *s, const ss_quadratic_raised *raised, uint8_t *bits)
@@ -288,32 +288,202 @@ static int32_t *extend(const sides *s, const ss_quadratic_raised *raised, const 
     return out;
 }
 
-static bool extend_prescribed(const sides *s, const ss_quadratic_raised *raised,
-                              const ss_prescribed *given, ss_arena *arena, ss_prescribed *out)
+/* ---- prescribed displacements ---- */
+
+enum { TERMS = 6, MAX_NEAR = 96 };
+/* Of the fit's own weight: what holds back second derivatives that the nodes say nothing of. */
+#define RIDGE 1e-6
+
+/* Nodes of a set, linked by the surface's sides among them. */
+typedef struct patch {
+    const sides *s;
+    const ss_prescribed *set;
+    int32_t *place; /* of a given node in the set, -1 */
+    int32_t *first; /* links of the i-th: link[first[i]] .. */
+    int32_t *link;  /* places */
+} patch;
+
+static bool patch_init(patch *p, const sides *s, const ss_prescribed *set)
 {
-    *out = *given;
-    int32_t *place = ss_memory_get((size_t)s->node_count, sizeof *place);
-    out->node = extend(s, raised, given->node, given->node_count, arena, &out->node_count);
-    out->displacement = ss_arena_get(arena, (size_t)out->node_count, sizeof *out->displacement);
-    if (!place || !out->node || !out->displacement) {
-        ss_memory_free(place);
+    *p = (patch){.s = s,
+                 .set = set,
+                 .place = ss_memory_get((size_t)s->node_count, sizeof *p->place),
+                 .first = ss_memory_get((size_t)set->node_count + 2, sizeof *p->first),
+                 .link = ss_memory_get(2 * (size_t)s->count, sizeof *p->link)};
+    if (!p->place || !p->first || !p->link) {
         return false;
     }
-    for (int32_t i = 0; i < given->node_count; ++i) {
-        place[given->node[i]] = i;
-        ss_copy3(out->displacement[i], given->displacement[i]);
+    memset(p->place, 0xff, (size_t)s->node_count * sizeof *p->place);
+    for (int32_t i = 0; i < set->node_count; ++i) {
+        p->place[set->node[i]] = i;
     }
-    for (int32_t i = given->node_count; i < out->node_count; ++i) {
-        const int32_t k = out->node[i] - s->node_count;
-        const double *a = given->displacement[place[s->low[k]]];
-        const double *b = given->displacement[place[s->high[k]]];
-        for (int axis = 0; axis < 3; ++axis) {
-            out->displacement[i][axis] = 0.5 * (a[axis] + b[axis]);
+    for (int turn = 0; turn < 2; ++turn) { /* count, then fill */
+        for (int32_t k = 0; k < s->count; ++k) {
+            const int32_t a = p->place[s->low[k]], b = p->place[s->high[k]];
+            if (s->is_surface[k] && a >= 0 && b >= 0) {
+                if (turn == 0) {
+                    ++p->first[a + 2];
+                    ++p->first[b + 2];
+                } else {
+                    p->link[p->first[a + 1]++] = b;
+                    p->link[p->first[b + 1]++] = a;
+                }
+            }
+        }
+        for (int32_t i = 0; turn == 0 && i < set->node_count; ++i) {
+            p->first[i + 2] += p->first[i + 1];
         }
     }
-    ss_memory_free(place);
     return true;
 }
+
+static void patch_fini(patch *p)
+{
+    ss_memory_free(p->place);
+    ss_memory_free(p->first);
+    ss_memory_free(p->link);
+}
+
+static int32_t add_near(int32_t place, int32_t count, int32_t near[MAX_NEAR])
+{
+    for (int32_t k = 0; k < count; ++k) {
+        if (near[k] == place) {
+            return count;
+        }
+    }
+    if (count < MAX_NEAR) {
+        near[count++] = place;
+    }
+    return count;
+}
+
+/* Both ends and two rings around them. */
+static int32_t list_near(const patch *p, int32_t a, int32_t b, int32_t near[MAX_NEAR])
+{
+    int32_t count = add_near(b, add_near(a, 0, near), near);
+    for (int ring = 0, from = 0; ring < 2; ++ring) {
+        const int32_t to = count;
+        for (; from < to; ++from) {
+            for (int32_t k = p->first[near[from]]; k < p->first[near[from] + 1]; ++k) {
+                count = add_near(p->link[k], count, near);
+            }
+        }
+    }
+    return count;
+}
+
+/* Cholesky of a positive definite matrix, in place, and the solution for three right sides. */
+static void solve_terms(double a[TERMS][TERMS], double b[TERMS][3])
+{
+    for (int i = 0; i < TERMS; ++i) {
+        for (int j = 0; j <= i; ++j) {
+            double sum = a[i][j];
+            for (int k = 0; k < j; ++k) {
+                sum -= a[i][k] * a[j][k];
+            }
+            a[i][j] = i == j ? sqrt(sum) : sum / a[j][j];
+        }
+        for (int c = 0; c < 3; ++c) {
+            for (int k = 0; k < i; ++k) {
+                b[i][c] -= a[i][k] * b[k][c];
+            }
+            b[i][c] /= a[i][i];
+        }
+    }
+    for (int i = TERMS - 1; i >= 0; --i) {
+        for (int c = 0; c < 3; ++c) {
+            for (int k = i + 1; k < TERMS; ++k) {
+                b[i][c] -= a[k][i] * b[k][c];
+            }
+            b[i][c] /= a[i][i];
+        }
+    }
+}
+
+/* 1 s t s^2 st t^2 of a node, about the middle of the side, in units of its length. */
+static void terms_of(const double x[3], const double middle[3], const double axis[2][3],
+                     double scale, double out[TERMS])
+{
+    double d[3];
+    ss_sub3(d, x, middle);
+    const double s = ss_dot3(d, axis[0]) / scale, t = ss_dot3(d, axis[1]) / scale;
+    const double term[TERMS] = {1.0, s, t, s * s, s * t, t * t};
+    memcpy(out, term, sizeof term);
+}
+
+/* What is prescribed at the middle of side k: a field that is smooth along the surface, so the
+ * quadratic through the nodes around it, where they fix one; it keeps to the ends' values. */
+static void prescribe_side(const patch *p, const ss_mesh *mesh, int32_t k, double out[3])
+{
+    const int32_t end[2] = {p->place[p->s->low[k]], p->place[p->s->high[k]]};
+    const double *x[2] = {mesh->position[p->s->low[k]], mesh->position[p->s->high[k]]};
+    const double(*way)[3] = (const double(*)[3])p->set->displacement;
+    double middle[3], axis[2][3], normal[3] = {0.0}, a[TERMS][TERMS] = {{0.0}};
+    double b[TERMS][3] = {{0.0}};
+    int32_t near[MAX_NEAR];
+    for (int i = 0; i < 3; ++i) {
+        out[i] = 0.5 * (way[end[0]][i] + way[end[1]][i]);
+        middle[i] = 0.5 * (x[0][i] + x[1][i]);
+        axis[0][i] = x[1][i] - x[0][i];
+    }
+    const double scale = ss_norm3(axis[0]);
+    for (int f = 0; f < 2 && p->s->triangle[2 * k + f] >= 0; ++f) {
+        double face[3];
+        triangle_vector(mesh, p->s->triangle[2 * k + f], face);
+        ss_add3(normal, normal, face);
+    }
+    ss_cross3(axis[1], normal, axis[0]);
+    const double wide = ss_norm3(axis[1]);
+    if (!p->s->is_surface[k] || !(wide > 1e-6 * scale)) {
+        return;
+    }
+    ss_scale3(axis[0], axis[0], 1.0 / scale);
+    ss_scale3(axis[1], axis[1], 1.0 / wide);
+    const int32_t count = list_near(p, end[0], end[1], near);
+    for (int32_t n = 0; n < count; ++n) {
+        double term[TERMS];
+        terms_of(mesh->position[p->set->node[near[n]]], middle, (const double(*)[3])axis, scale,
+                 term);
+        for (int i = 0; i < TERMS; ++i) {
+            for (int j = 0; j < TERMS; ++j) {
+                a[i][j] += term[i] * term[j];
+            }
+            for (int c = 0; c < 3; ++c) {
+                b[i][c] += term[i] * way[near[n]][c];
+            }
+        }
+    }
+    for (int i = 0; i < TERMS; ++i) {
+        a[i][i] += RIDGE * count;
+    }
+    solve_terms(a, b);
+    for (int c = 0; c < 3; ++c) { /* the ends are at s = -1/2 and 1/2 */
+        const double bend = -0.25 * b[3][c];
+        out[c] += isfinite(bend) ? bend : 0.0;
+    }
+}
+
+static bool extend_prescribed(const sides *s, const ss_mesh *given,
+                              const ss_quadratic_raised *raised, const ss_prescribed *set,
+                              ss_arena *arena, ss_prescribed *out)
+{
+    patch p;
+    *out = *set;
+    out->node = extend(s, raised, set->node, set->node_count, arena, &out->node_count);
+    out->displacement = ss_arena_get(arena, (size_t)out->node_count, sizeof *out->displacement);
+    const bool is_good = patch_init(&p, s, set) && out->node && out->displacement;
+    for (int32_t i = 0; is_good && i < out->node_count; ++i) {
+        if (i < set->node_count) {
+            ss_copy3(out->displacement[i], set->displacement[i]);
+        } else {
+            prescribe_side(&p, given, out->node[i] - s->node_count, out->displacement[i]);
+        }
+    }
+    patch_fini(&p);
+    return is_good;
+}
+
+/* ---- the plan ---- */
 
 static bool extend_plan(const sides *s, const ss_model_plan *plan, ss_arena *arena,
                         ss_quadratic_raised *raised)
@@ -334,7 +504,8 @@ static bool extend_plan(const sides *s, const ss_model_plan *plan, ss_arena *are
         is_good = load[k].node != NULL;
     }
     for (int32_t k = 0; is_good && k < plan->prescribed_count; ++k) {
-        is_good = extend_prescribed(s, raised, &plan->prescribed[k], arena, &prescribed[k]);
+        is_good =
+            extend_prescribed(s, plan->mesh, raised, &plan->prescribed[k], arena, &prescribed[k]);
     }
     raised->plan = *plan;
     raised->plan.mesh = &raised->mesh;

@@ -344,6 +344,27 @@ TEST(masses_add_up_and_elements_bound_the_rate)
     open_fini(&b);
 }
 
+/* The mass that was added has no weight: supports carry the body's alone. */
+TEST(supports_carry_the_weight_of_the_body)
+{
+    setup s;
+    double reaction[3];
+    setup_init(&s, "fem-quadratic", make_block(&small));
+    give(&s, "youngs_modulus_pa", 1e4);
+    give(&s, "poisson_ratio", 0.45);
+    give(&s, "mass_damping_per_s", 100.0);
+    give(&s, "mass_scaling_max", 0.1);
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        s.fixed[i] = s.mesh->position[i][2] < 1e-9 ? 7 : 0;
+    }
+    s.plan.gravity[2] = -10.0;
+    create(&s);
+    steps(&s, 600, 1e-3);
+    s.class->reaction(s.model, -1, reaction);
+    assert_near(reaction[2], 10.0 * 1000.0 * 0.03 * 0.02 * 0.03, 2e-4 * 0.18);
+    setup_fini(&s);
+}
+
 /* Stretched, let go and left to swing: energy is neither made nor lost. */
 TEST(swings_without_gain_or_loss)
 {

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The settled body is the static solution of an independent program on the same elements. */
+#include "common/test.h"
+
+#include <stdio.h>
+
+#include "common/setup_fixture.h"
+#include "models/tissue_law.h"
+#include "oracles/quadratic_static.h"
+#include "rt/vec.h"
+
+/* The slab of the reference problems: glued below, a disk of 20 mm pushed in above. */
+#define DISK   0.02
+#define HEIGHT 0.05
+
+static double profile(const double x[3])
+{
+    const double square = (x[0] * x[0] + x[1] * x[1]) / (DISK * DISK);
+    return x[2] > HEIGHT - 1e-9 && square < 1.0001 ? 1.0 - 0.5 * square : 0.0;
+}
+
+static ss_mesh *load_slab(const char *name)
+{
+    char path[512];
+    ss_mesh *mesh = NULL;
+    softsim_error error = {0};
+    (void)snprintf(path, sizeof path, SOURCE_DIR "/tests/reference/c_slab/%s", name);
+    if (ss_mesh_load(path, 1.0, NULL, &mesh, &error) != SOFTSIM_OK) {
+        fail_msg("%s", error.text);
+    }
+    assert_true(ss_mesh_renumber(mesh));
+    return mesh;
+}
+
+/* Pushed in by `depth` within 0.2 s, then left to settle. */
+static void settle(setup *s, double ratio, double depth, double force[3])
+{
+    int32_t *node = calloc((size_t)s->mesh->node_count, sizeof *node), count = 0;
+    double(*way)[3] = calloc((size_t)s->mesh->node_count, sizeof *way);
+    give(s, "youngs_modulus_pa", 1e4);
+    give(s, "poisson_ratio", ratio);
+    give(s, "material", SS_TISSUE_NEO_HOOKEAN);
+    give(s, "mass_damping_per_s", 80.0);
+    give(s, "curved", 1.0);
+    for (int32_t i = 0; i < s->mesh->node_count; ++i) {
+        const double share = profile(s->mesh->position[i]);
+        s->fixed[i] = s->mesh->position[i][2] < 1e-9 ? 7 : 0;
+        if (share > 0.0) {
+            node[count] = i;
+            way[count++][2] = -depth * share;
+        }
+    }
+    prescribe(s, count, node, way, 0.2);
+    create(s);
+    steps(s, 900, 1e-3);
+    s->class->reaction(s->model, 0, force);
+    free(node);
+    free(way);
+}
+
+static void solve(oracle *o, const ss_mesh *mesh, double ratio, double depth, int levels)
+{
+    double lambda;
+    oracle_init(o, mesh->node_count, (const double(*)[3])mesh->position, mesh->tetrahedron_count,
+                (const int32_t(*)[4])mesh->tetrahedron, mesh->triangle_count,
+                (const int32_t(*)[3])mesh->triangle);
+    ss_tissue_lame(1e4, ratio, &lambda, &o->mu);
+    o->own = o->mu;
+    o->shared = lambda + 2.0 / 3.0 * o->mu - o->own;
+    for (int level = 1; level <= levels; ++level) {
+        for (int32_t i = 0; i < mesh->node_count; ++i) {
+            const double share = profile(mesh->position[i]);
+            for (int k = 0; k < 3; ++k) {
+                if (share > 0.0 || mesh->position[i][2] < 1e-9) {
+                    o->held[3 * i + k] = true;
+                    o->u[3 * i + k] = k == 2 ? -depth * share * level / levels : 0.0;
+                }
+            }
+        }
+        oracle_hold_sides(o);
+        for (int32_t i = o->corners; i < o->nodes; ++i) { /* the push is known there too */
+            const double share = o->held[3 * i] ? profile(o->position[i]) : 0.0;
+            o->u[3 * i + 2] = share > 0.0 ? -depth * share * level / levels : o->u[3 * i + 2];
+        }
+        assert_true(oracle_balance(o));
+    }
+}
+
+static double oracle_push(const oracle *o)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < o->nodes; ++i) {
+        sum += o->held[3 * i] && o->position[i][2] > 0.5 * HEIGHT ? o->force[3 * i + 2] : 0.0;
+    }
+    return sum;
+}
+
+static void compare(const char *name, double ratio, double depth, int levels)
+{
+    setup s;
+    oracle o;
+    double force[3], apart = 0.0, whole = 0.0;
+    setup_init(&s, "fem-quadratic", load_slab(name));
+    settle(&s, ratio, depth, force);
+    solve(&o, s.mesh, ratio, depth, levels);
+    for (int32_t i = 0; i < s.mesh->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const double d = moved(&s, i, k) - o.u[3 * i + k];
+            apart += d * d;
+            whole += o.u[3 * i + k] * o.u[3 * i + k];
+        }
+    }
+    const double push = oracle_push(&o);
+    print_message("%s nu %g: field apart %.4f %%, force %.5g N against %.5g N\n", name, ratio,
+                  100.0 * sqrt(apart / whole), force[2], push);
+    assert_true(sqrt(apart / whole) < 1e-3);
+    assert_near(force[2], push, 1e-3 * fabs(push));
+    oracle_fini(&o);
+    setup_fini(&s);
+}
+
+TEST(settles_where_an_independent_newton_does)
+{
+    compare("mesh_300.msh", 0.45, 0.015, 4);
+    compare("mesh_300.msh", 0.49, 0.003, 2);
+}
+
+int main(void)
+{
+    return run_all_tests(NULL, NULL);
+}
