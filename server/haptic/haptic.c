@@ -557,9 +557,8 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     /* Where the coupling yields to the limit the hand sinks in without the proxy. */
     const double *out = haptic->slip.direction;
     const double fraction = haptic->slip.stiffness_fraction;
-    ss_madd3(target->velocity, v, (fraction - 1.0) * ss_dot3(v, out), out);
-    /* What the hand is slowed down by on a wall is the coupling's, not the tissue's. */
     const double led = fraction * (1.0 - felt_stiffness(haptic, out) / haptic->yield.spring);
+    ss_madd3(target->velocity, v, (led - 1.0) * ss_dot3(v, out), out);
     ss_motion_acceleration(&haptic->motion, target->acceleration);
     const double along = ss_dot3(target->acceleration, out);
     ss_madd3(target->acceleration, target->acceleration, (led - 1.0) * along, out);

@@ -330,7 +330,10 @@ void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active,
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
         if (!only_active || c->last_force > 0.0) {
-            add_contact(out, c->normal, c->stiffness, 0.0);
+            /* Erring high at every rate, as the law but for slow results: else a press behind a
+             * soft coupling is held with 3 % more at 30 Hz. */
+            const double high = fmin(STIFFNESS_MAX, STIFFNESS_MARGIN * c->model_stiffness);
+            add_contact(out, c->normal, high, 0.0);
         }
     }
 }

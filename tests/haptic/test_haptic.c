@@ -481,6 +481,51 @@ static void tool_turns_with_the_hand(void **state)
     rig_end(&r);
 }
 
+/* A coupling that is softer than the tissue lets the proxy go a part of the hand's way, and that
+ * much of it is predicted: 1 m/s of the hand's is 200 / (200 + 1.15 1000) of it. */
+static void a_proxy_that_the_tissue_holds_back_is_predicted_so(void **state)
+{
+    (void)state;
+    const double k = 1000.0, step = 1e-5;
+    ss_haptic_config config = default_config();
+    config.stiffness = 1.15 * k * 200.0 / (200.0 + 1.15 * k); /* in series: a spring of 200 N/m */
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, k, 2e-3);
+    r.pose.velocity[2] = -1e3 * step;
+    for (int i = 1; i <= 20; ++i) {
+        rig_result(&r, k, -r.out.target.proxy[2], 1);
+        rig_tick(&r, -2e-3 - i * step);
+    }
+    assert_near(r.out.target.velocity[2], r.pose.velocity[2] * 200.0 / (200.0 + 1.15 * k),
+                0.02 * fabs(r.pose.velocity[2]));
+    rig_end(&r);
+}
+
+/* The coupling follows the tissue, not how old its results are: a press is held with one force. */
+static void slow_results_leave_the_coupling_as_it_is(void **state)
+{
+    (void)state;
+    ss_haptic_config config = default_config();
+    config.stiffness = 300.0;
+    double proxy[2];
+    for (int slow = 0; slow < 2; ++slow) {
+        rig r;
+        rig_start(&r, &config);
+        rig_press(&r, 1000.0, 2e-3);
+        for (int i = 0; i < 2000; ++i) {
+            if (i % 40 == 0) {
+                rig_result(&r, 1000.0, -r.out.target.proxy[2], slow ? 40 : 1);
+                r.result.period = slow ? 0.040 : T;
+            }
+            rig_tick(&r, -2e-3);
+        }
+        proxy[slow] = r.out.target.proxy[2];
+        rig_end(&r);
+    }
+    assert_near(proxy[1], proxy[0], 1e-3 * fabs(proxy[0]));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -500,6 +545,8 @@ int main(void)
         cmocka_unit_test(nothing_is_sent_before_the_first_pose),
         cmocka_unit_test(prediction_is_bounded),
         cmocka_unit_test(tool_turns_with_the_hand),
+        cmocka_unit_test(a_proxy_that_the_tissue_holds_back_is_predicted_so),
+        cmocka_unit_test(slow_results_leave_the_coupling_as_it_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -258,17 +258,17 @@ static ss_felt_errors compare_rates(const char *name, ss_felt_path path, double 
     return e;
 }
 
-/* Contact stiffness is the scene's: 60 Hz gave a third of the force at 1000 Hz. */
+/* Contact stiffness is the scene's: 60 Hz gave a third of the force at 1000 Hz; so is the time in
+ * which a chain's cells answer: it gave 7 % more. */
 static void a_held_press_is_the_same_at_every_rate(void **state)
 {
     (void)state;
     static const struct {
         const char *name;
         double rate_hz, most;
-    } cases[] = {{"kidney", 120.0, 0.01},
-                 {"kidney", 60.0, 0.01},
-                 {"kidney", 30.0, 0.02},
-                 {"liver", 60.0, 0.01}};
+    } cases[] = {{"kidney", 120.0, 0.01},         {"kidney", 60.0, 0.01},
+                 {"kidney", 30.0, 0.02},          {"liver", 60.0, 0.01},
+                 {"liver-chainmail", 60.0, 0.01}, {"liver-chainmail", 30.0, 0.02}};
     for (size_t k = 0; k < FULL_IN_RELEASE(sizeof cases / sizeof *cases, 1); ++k) {
         const ss_felt_errors e = compare_rates(cases[k].name, SS_FELT_PRESS, cases[k].rate_hz);
         assert_true(fabs(e.held) <= cases[k].most);
@@ -287,7 +287,9 @@ static void a_motion_is_felt_alike_at_60_hz(void **state)
         double most;
     } cases[] = {{"ed0-tissue", SS_FELT_POKE_1, 0.1},
                  {"hm1-tissue", SS_FELT_SLIDE, 0.07},
-                 {"ventricle", SS_FELT_SLIDE, 0.07}};
+                 {"ventricle", SS_FELT_SLIDE, 0.07},
+                 {"liver-chainmail", SS_FELT_PRESS, 0.07},
+                 {"liver-chainmail", SS_FELT_SLIDE, 0.25}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
         const ss_felt_errors e = compare_rates(cases[k].name, cases[k].path, 60.0);
         print_message("%s, %s: p99 %.3f\n", cases[k].name, ss_felt_path_name(cases[k].path), e.p99);

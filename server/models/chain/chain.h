@@ -4,10 +4,10 @@
 /*
  * Private to cnn-chainmail: its parameters, its state, and what its files call of one another.
  * cnn_chainmail.c has the equations and the class; material.c reads the parameters;
- * step.c steps; contact.c is where tools touch; load.c everything that acts
- * without a tool; coarse.c the coarse level and aggregated cells; guard.c keeps
- * tetrahedra from turning inside out; net.c and kernels.c the links; cost.c counts what a step
- * costs; state.c is what all of them do to the state.
+ * step.c steps; contact.c is where tools touch, felt.c how stiff that feels; load.c everything that
+ * acts without a tool; coarse.c the coarse level and aggregated cells; guard.c keeps tetrahedra
+ * from turning inside out; net.c and kernels.c the links; cost.c counts what a step costs; state.c
+ * is what all of them do to the state.
  *
  * Displacements and pulls dP are in metres, energies of the network W in square metres; a link's
  * tension is k w ex, so energy is 2 k W and a force f is a current f/(2 k).
@@ -53,6 +53,7 @@ typedef struct ss_chain_tool {
     ss_tool *base;
     bool is_touching; /* at the last sub-step */
     bool grasp_wish;  /* the button is down */
+    double viscosity; /* N s/m, last told */
     ss_chain_drive drive;
 } ss_chain_tool;
 
@@ -65,6 +66,7 @@ typedef struct ss_chain_prescribed {
 
 typedef struct ss_chain_coarse ss_chain_coarse; /* coarse.c */
 typedef struct ss_chain_guard ss_chain_guard;   /* guard.c */
+typedef struct ss_chain_felt ss_chain_felt;     /* felt.c */
 
 struct ss_model {
     ss_arena arena;
@@ -95,6 +97,7 @@ struct ss_model {
     int32_t fixed_count;
     ss_chain_coarse *coarse; /* NULL: none */
     ss_chain_guard *guard;   /* NULL: none */
+    ss_chain_felt *felt;     /* NULL: no tool */
     /* what acts */
     ss_tools tools;
     ss_chain_tool tool[SOFTSIM_MAX_PROBES];
@@ -124,10 +127,10 @@ struct ss_model {
     double *firmness;    /* the same of one tool */
     int32_t *touched;    /* nodes under tools at the last sub-step, increasing within a tool */
     int32_t touched_count;
-    uint8_t *is_touched, *is_marked;
+    uint8_t *is_touched;
     int32_t *hold; /* cells and weights (m^2) that a grasp takes */
     double *hold_weight;
-    ss_real *push, *answer; /* of the stiffness estimate */
+    ss_real *push; /* of the stiffness estimate */
     /* report */
     double network;  /* W of the last sub-step, m^2 */
     int32_t guarded; /* tetrahedra that the guard put back in the last step */
@@ -150,9 +153,11 @@ void ss_chain_tell(ss_model *model, softsim_verdict verdict, const char *reason)
 void ss_chain_wake(ss_model *model, int32_t node);
 
 /* ---- cost.c ---- */
-/* Sub-steps of an outer step where no capacitance is given: as many, up to 8, as take a quarter of
- * it by counted work. The more, the smaller C, and with it the drag that a tool feels. */
-double ss_chain_planned_substeps(const ss_model_plan *plan);
+/* s: the sub-step that C is chosen for where none is given: the shortest, but no less than 1/8 ms,
+ * whose counted work is a quarter of the time that it simulates. The shorter, the smaller C, and
+ * with it the drag that a tool feels. It follows the mesh, not the step: a tissue is no other at 60
+ * Hz than at 1000. A step takes as many as it needs; where it may not, C is larger. */
+double ss_chain_planned_substep(const ss_model_plan *plan);
 double ss_chain_step_cost_us(const ss_model_plan *plan);
 
 /* ---- material.c ---- */
@@ -194,6 +199,13 @@ void ss_chain_tools_apply(ss_model *model, double h);
 /* What the tools feel at the end of the step. */
 void ss_chain_tools_sample(ss_model *model);
 void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out);
+
+/* ---- felt.c ---- */
+softsim_status ss_chain_felt_create(ss_model *model);
+void ss_chain_felt_reset(ss_model *model);
+/* Sets the stiffness that tool `probe`, which touches, is told along unit `normal` (tool->felt);
+ * returns the viscosity, N s/m. */
+double ss_chain_feel(ss_model *model, int probe, const double normal[3]);
 
 /* ---- coarse.c ---- */
 softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_aggregated);

@@ -26,11 +26,6 @@
  * own stiffness. `source: current`: kc = 2 k/a, a the mean area of a cell, so that a covered cell's
  * current f_i/(2 k) is the tool's depth there: the paper's "current source set to the input
  * displacement", a drive of force.
- *
- * Stiffness for the hand: as cnn/contact.c, k(y) = k_cc - 2 c.y + y.Hy >= the static stiffness for
- * any motion y. Here y ~ c_i/(D_i + k s_i/3) in the best proportion, with all links taken as taut:
- * no cell further in moves, so what is told is what a quick touch meets, and it errs high. The
- * viscosity is the drag 2 k C |y|^2 of that motion, at most 10 ms of stiffness.
  */
 #include <math.h>
 #include <string.h>
@@ -38,9 +33,6 @@
 #include "models/common/plan.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
-
-/* s: viscosity over stiffness. */
-#define MAX_VISCOUS_TIME 0.01
 
 /* ---- set-up ---- */
 
@@ -105,12 +97,10 @@ static softsim_status allocate(ss_model *model)
     ss_arena *arena = &model->arena;
     model->contact = ss_arena_get(arena, 4 * n, sizeof *model->contact);
     model->push = ss_arena_get(arena, 4 * n, sizeof *model->push);
-    model->answer = ss_arena_get(arena, 4 * n, sizeof *model->answer);
     model->diagonal_of = ss_arena_get(arena, n, sizeof *model->diagonal_of);
     model->firmness = ss_arena_get(arena, n, sizeof *model->firmness);
     model->touched = ss_arena_get(arena, n, sizeof *model->touched);
     model->is_touched = ss_arena_get(arena, n, sizeof *model->is_touched);
-    model->is_marked = ss_arena_get(arena, n, sizeof *model->is_marked);
     model->hold = ss_arena_get(arena, n, sizeof *model->hold);
     model->hold_weight = ss_arena_get(arena, n, sizeof *model->hold_weight);
     return ss_arena_status(arena);
@@ -127,6 +117,7 @@ softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error)
     }
     softsim_status status = ss_tools_create(&model->tools, plan->mesh, plan, error);
     status = status == SOFTSIM_OK ? allocate(model) : status;
+    status = status == SOFTSIM_OK ? ss_chain_felt_create(model) : status;
     const double area = status == SOFTSIM_OK ? mean_area(plan->mesh) : 0.0;
     status = area < 0.0 ? SOFTSIM_ERROR_MEMORY : status;
     for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
@@ -178,6 +169,7 @@ void ss_chain_tools_reset(ss_model *model)
     memset(model->diagonal_of, 0, n * sizeof *model->diagonal_of);
     memset(model->firmness, 0, n * sizeof *model->firmness);
     ss_tools_reset(&model->tools);
+    ss_chain_felt_reset(model);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         clear_contact(&model->tool[k]);
     }
@@ -372,113 +364,16 @@ void ss_chain_tools_sample(ss_model *model)
     }
 }
 
-/* Nodes under the tool now, with D in model->diagonal_of and c, the force on them for a push of 1 m
- * along the normal, in model->push; returns k_cc. */
-static double push_along(ss_model *model, const ss_tool *tool, const double normal[3])
-{
-    ss_tool_add_diagonal(tool, model->diagonal_of);
-    return ss_tool_push(tool, normal, model->push);
-}
-
-/* z.Kz of a link for a difference z of its ends' motions, over k w: n n' as if it were taut, and
- * what a stretched one resists across. */
-static double link_resists(const ss_model *model, const ss_chain_group *group, int lane,
-                           const double z[3])
-{
-    const ss_real *a = model->u + group->a[lane], *b = model->u + group->b[lane];
-    const double d[3] = {(double)(group->x[lane] + (b[0] - a[0])),
-                         (double)(group->y[lane] + (b[1] - a[1])),
-                         (double)(group->z[lane] + (b[2] - a[2]))};
-    const double square = ss_dot3(d, d), along = ss_dot3(d, z), all = ss_dot3(z, z);
-    if (!(square > 0.0)) {
-        return all;
-    }
-    const double high = (double)group->rest[lane] + model->ratio * (double)group->slack[lane];
-    const double across = fmax(0.0, 1.0 - high / sqrt(square));
-    return along * along / square + across * (all - along * along / square);
-}
-
-/* y.Hy of one node's part; links to nodes that move too count half. */
-static double resist(const ss_model *model, int32_t node)
-{
-    const ss_chain_net *net = model->net;
-    const ss_real *y = model->answer + 4 * (ptrdiff_t)node;
-    double sum = model->diagonal_of[node] * (double)(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
-    for (int32_t p = net->first[node]; p < net->first[node + 1]; ++p) {
-        const int32_t other = ss_chain_other(net, net->at[p], node);
-        const ss_chain_group *group = &net->group[net->at[p] / SS_CHAIN_LANES];
-        const int lane = net->at[p] % SS_CHAIN_LANES;
-        const double weight = 2.0 * (double)group->half[lane];
-        const ss_real *z = model->answer + 4 * (ptrdiff_t)other;
-        const double way[3] = {(double)(y[0] - z[0]), (double)(y[1] - z[1]), (double)(y[2] - z[2])};
-        const bool is_shared = model->diagonal_of[other] > 0.0;
-        sum += (is_shared ? 0.5 : 1.0) * model->k * weight * link_resists(model, group, lane, way);
-    }
-    return sum;
-}
-
-/* The best y in the direction c_i/(D_i + k s_i/3). Clears what it used of push, answer and D. */
-static void feel(ss_model *model, ss_tool *tool, const double normal[3], double *out_viscosity)
-{
-    const double k_cc = push_along(model, tool, normal);
-    const int32_t *reach;
-    double gain = 0.0, cost = 0.0, drag = 0.0;
-    const int32_t reach_count = ss_contact_query_candidate_nodes(tool->query, &reach);
-    const int32_t *const list[2] = {reach, tool->grasp.node};
-    const int32_t count[2] = {reach_count, tool->grasp.count};
-    for (int l = 0; l < 2; ++l) {
-        for (int32_t n = 0; n < count[l]; ++n) {
-            const int32_t i = list[l][n];
-            const double firm = model->diagonal_of[i] + model->k * model->valence[i] / 3.0;
-            for (int a = 0; a < 3; ++a) {
-                const ptrdiff_t at = 4 * (ptrdiff_t)i + a;
-                model->answer[at] = model->diagonal_of[i] > 0.0 && model->free[at] > 0
-                                        ? (ss_real)((double)model->push[at] / firm)
-                                        : 0;
-            }
-        }
-    }
-    for (int l = 0; l < 2; ++l) {
-        for (int32_t n = 0; n < count[l]; ++n) {
-            const int32_t i = list[l][n];
-            if (!(model->diagonal_of[i] > 0.0) || model->is_marked[i]) {
-                continue;
-            }
-            const ss_real *y = model->answer + 4 * (ptrdiff_t)i;
-            const ss_real *c = model->push + 4 * (ptrdiff_t)i;
-            model->is_marked[i] = 1;
-            gain += (double)(c[0] * y[0] + c[1] * y[1] + c[2] * y[2]);
-            drag += 2.0 * model->k / model->conductance[i] *
-                    (double)(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
-            cost += resist(model, i);
-        }
-    }
-    const double scale = cost > 0.0 ? gain / cost : 0.0;
-    const double felt = k_cc - gain * scale;
-    tool->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
-    *out_viscosity =
-        tool->was_touching ? fmin(scale * scale * drag, MAX_VISCOUS_TIME * tool->felt) : 0.0;
-    for (int l = 0; l < 2; ++l) {
-        for (int32_t n = 0; n < count[l]; ++n) {
-            const ptrdiff_t at = 4 * (ptrdiff_t)list[l][n];
-            memset(model->push + at, 0, 4 * sizeof(ss_real));
-            memset(model->answer + at, 0, 4 * sizeof(ss_real));
-            model->diagonal_of[list[l][n]] = 0.0;
-            model->is_marked[list[l][n]] = 0;
-        }
-    }
-}
-
 void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_set *out)
 {
     ss_tool *tool = ss_tools_find(&model->tools, probe, out);
     if (!tool) {
         return;
     }
-    double normal[3], viscosity;
+    double normal[3];
     refit(model);
     if (ss_tool_fill_contacts(tool, model->u, near, out, normal)) {
-        feel(model, tool, normal, &viscosity);
+        const double viscosity = ss_chain_feel(model, probe, normal);
         ss_contact_set_share(out, normal, tool->felt, viscosity);
     }
     tool->was_touching = ss_tool_is_touching(tool);

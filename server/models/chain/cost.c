@@ -17,10 +17,11 @@
 #define COST_TETRAHEDRON 0.0012
 #define COST_TOUCH       10.0
 #define COST_TOOL        25.0
-/* Of a step for its sub-steps where they can be chosen; s, a step that is not known yet. */
+/* s: a step that is not known yet, and what sub-steps are chosen for; of the time that they
+ * simulate, how much they may take; the most in a usual step. */
+#define USUAL_STEP    1e-3
 #define SUBSTEP_SHARE 0.25
 #define MOST_SUBSTEPS 8.0
-#define USUAL_STEP    1e-3
 /* Valences of the busiest neighbours of a link over twice the mean valence, on organs. */
 #define VALENCE_RATIO 2.2
 
@@ -47,22 +48,24 @@ static double substep_cost_us(const ss_model_plan *plan)
            COST_TOUCH * ss_plan_tool_count(plan);
 }
 
-double ss_chain_planned_substeps(const ss_model_plan *plan)
+double ss_chain_planned_substep(const ss_model_plan *plan)
 {
-    const double step = plan->step > 0.0 ? plan->step : USUAL_STEP;
     const double budget = plan->substep_budget > 0 ? plan->substep_budget : plan->max_substeps;
-    const double most = fmin(MOST_SUBSTEPS, budget);
-    return fmax(1.0, fmin(floor(SUBSTEP_SHARE * step * 1e6 / substep_cost_us(plan)), most));
+    const double cost = substep_cost_us(plan) / SUBSTEP_SHARE;
+    const double count = fmin(floor(1e6 * USUAL_STEP / cost), MOST_SUBSTEPS);
+    const double wanted = count >= 1.0 ? USUAL_STEP / count : 1e-6 * cost;
+    return fmax(wanted, plan->step / budget);
 }
 
 double ss_chain_step_cost_us(const ss_model_plan *plan)
 {
     const ss_mesh *mesh = plan->mesh;
     const ss_param_value *capacitance = &plan->param[SS_CHAIN_CAPACITANCE_S];
-    double substeps = ss_chain_planned_substeps(plan);
+    const double step = plan->step > 0.0 ? plan->step : USUAL_STEP;
+    double substeps = ceil(step / ss_chain_planned_substep(plan) - 1e-9);
     if (capacitance->is_given && !capacitance->per_node) {
         const double valence = 2.0 * link_count(mesh) / mesh->node_count;
-        substeps = ceil(USUAL_STEP * VALENCE_RATIO * 2.0 * valence / capacitance->number / 3.6);
+        substeps = ceil(step * VALENCE_RATIO * 2.0 * valence / capacitance->number / 3.6);
     }
     return COST_STEP + substeps * substep_cost_us(plan) + COST_TOOL * ss_plan_tool_count(plan) +
            COST_TETRAHEDRON * mesh->tetrahedron_count;

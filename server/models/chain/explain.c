@@ -72,7 +72,7 @@ static void explain_material(const ss_model *model, const ss_notes *out)
     }
     ss_note_used(out, "capacitance",
                  "%.4g s (%s); stable step %.4g s, %.0f sub-steps of a step of %.4g s",
-                 model->capacitance, model->is_capacitance_given ? "given" : "chosen for the step",
+                 model->capacitance, model->is_capacitance_given ? "given" : "chosen for the mesh",
                  ss_chain_stable_step(model),
                  ceil(model->plan.step / ss_chain_stable_step(model) - 1e-9), model->plan.step);
     ss_tools_warn_unheld(&model->tools, model->is_held, out);

@@ -41,7 +41,7 @@ const ss_param_row ss_chain_rows[SS_CHAIN_ROW_COUNT] = {
     [SS_CHAIN_CAPACITANCE_S] =
         SS_PARAM(FIELD, "capacitance_s",
                  "C, the time a cell takes to answer; absent: the least for which a quarter of the "
-                 "step suffices, in at most 8 sub-steps",
+                 "time suffices, in at most 8 sub-steps a ms, the same at every rate",
                  SS_ABOVE(0.0, 1e6), .fallback = SS_ABSENT),
     [SS_CHAIN_SATURATION_SIZES] =
         SS_PARAM(NUMBER, "saturation_sizes",
@@ -208,9 +208,9 @@ softsim_status ss_chain_material_time(ss_model *model)
         }
     }
     if (!given->is_given) {
-        const double substeps = ss_chain_planned_substeps(&model->plan);
         /* a hair more than needed, so that rounding asks for no further sub-step */
-        const double c = 1.000001 * model->plan.step / substeps / ss_chain_stable_step(model);
+        const double c =
+            1.000001 * ss_chain_planned_substep(&model->plan) / ss_chain_stable_step(model);
         for (int32_t i = 0; i < model->node_count; ++i) {
             model->conductance[i] = 1.0 / c;
         }

@@ -75,7 +75,8 @@ static inline double ss_cnn_best_rho(const ss_cnn_material *material, int32_t no
 typedef struct ss_cnn_source {
     bool is_on;
     bool is_tool;
-    double from; /* s: a load's source is on from here */
+    bool is_placed; /* the tool came where it is without a way there, not weighed since */
+    double from;    /* s: a load's source is on from here */
     /* of loads and patches: the cells, increasing, and their weights, sum 1 */
     int32_t cell_count;
     int32_t *cell;

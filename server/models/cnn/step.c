@@ -507,10 +507,12 @@ static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PRO
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_cnn_tool *own = &model->tool[k];
+        const bool was_present = own->base->is_present;
         const ss_tool_news news = ss_tool_take(own->base, tool ? &tool[k] : NULL);
         model->is_ready = model->is_ready && news == SS_TOOL_KEPT;
-        if (news == SS_TOOL_LOST || !own->base->is_present) {
+        if (news == SS_TOOL_LOST || !was_present || !own->base->is_present) {
             ss_cnn_source_end_contact(own);
+            own->source.is_placed = true;
         }
         if (!own->base->is_present) {
             own->source.is_on = false;

@@ -272,7 +272,7 @@ TEST(a_cell_that_is_chosen_anew_beside_a_dent_is_booked)
     int32_t changes = 0, last = -1;
     double most = 0.0;
     for (int n = 0; n <= 200; ++n) { /* the second tool flies over the slope and touches nothing */
-        go(&tool[1], 0.03 - 0.018 * n / 200.0, 0.0, PLATE_EDGE + 0.0015);
+        go(&tool[1], 0.03 - 0.018 * n / 200.0, 0.0, PLATE_EDGE + 0.001);
         step_tools(&s, 1e-3, tool);
         const int32_t node = s.model->tool[1].cell.node;
         changes += last >= 0 && node >= 0 && node != last;
@@ -368,6 +368,36 @@ TEST(strained_tissue_holds_no_tool_off)
     assert_true(second->base->penalty > 0.0);
     assert_true(s.model->tool[0].source.amplitude == 1.0);
     setup_fini(&s);
+}
+
+/* Nor does one that is put there at once, as after a pause: what is stored is no work of its own.
+ */
+TEST(a_tool_put_on_strained_tissue_does_no_work)
+{
+    const double radius = 2.0 * PLATE_EDGE;
+    for (int is_one_cell = 0; is_one_cell < 2; ++is_one_cell) {
+        setup s;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+        setup_plate(&s, 2, radius, 1.0);
+        give(&s, "source", is_one_cell);
+        create(&s);
+        press(&s, tool, 1, -0.008, radius, 0.008);
+        const ss_cnn_tool *second = &s.model->tool[1];
+        double most = 0.0;
+        for (int n = 0; n <= 7; ++n) {
+            tool[1].is_present = false;
+            step_tools(&s, 1e-3, tool);
+            const double before = info_of(&s).work, stored = info_of(&s).elastic;
+            go(&tool[1], 0.01, 0.0, radius - 0.0005 * n);
+            step_tools(&s, 1e-3, tool);
+            const double work = info_of(&s).work - before;
+            assert_true(fabs(work) <= 0.01 * stored); /* what is let go of in the step */
+            assert_true(second->base->penalty <= 0.0);
+            most = fmax(most, second->source.amplitude);
+        }
+        assert_true(most > 0.5);
+        setup_fini(&s);
+    }
 }
 
 /* What the tools did in the last step, by the mean of their forces at its ends. */
