@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The bridge without a network: frames, corrector, bus, devices; and what the monitor shows. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -26,7 +21,7 @@
 
 /* ---- frame ---- */
 
-static void axes_are_signed_permutations(void **state)
+TEST(axes_are_signed_permutations)
 {
     static const struct {
         const char *axes;
@@ -62,7 +57,7 @@ static void axes_are_signed_permutations(void **state)
     }
 }
 
-static void frames_are_consistent(void **state)
+TEST(frames_are_consistent)
 {
     static const char *const permutations[] = {"x,y,z", "x,z,y", "y,x,z",
                                                "y,z,x", "z,x,y", "z,y,x"};
@@ -120,7 +115,7 @@ static softsim_force make_force(int32_t pose_seq)
                            .stiffness = 500.0};
 }
 
-static void correction_follows_the_normal(void **state)
+TEST(correction_follows_the_normal)
 {
     static ss_corrector c;
     const double at[3] = {0.01, 0.02, -0.002};
@@ -141,7 +136,7 @@ static void correction_follows_the_normal(void **state)
     assert_near(force[2], 0.0, 0.0); /* never pulls in */
 }
 
-static void correction_is_bounded(void **state)
+TEST(correction_is_bounded)
 {
     static ss_corrector c;
     static const struct {
@@ -186,9 +181,8 @@ static void correction_is_bounded(void **state)
 }
 
 /* A grasp pulls, pushes and holds aside; its law has no side that it stops at. */
-static void correction_of_a_grasp_is_signed_and_goes_all_ways(void **state)
+TEST(correction_of_a_grasp_is_signed_and_goes_all_ways)
 {
-    (void)state;
     static ss_corrector c;
     const double at[3] = {0.0, 0.0, 0.0}, moved[3] = {1e-3, -2e-3, 4e-3};
     double out[3];
@@ -208,7 +202,7 @@ static void correction_of_a_grasp_is_signed_and_goes_all_ways(void **state)
     assert_near(out[2], -3.0 - 500 * 4e-3, 1e-12);
 }
 
-static void force_fades_when_the_server_is_gone(void **state)
+TEST(force_fades_when_the_server_is_gone)
 {
     static ss_corrector c;
     const double at[3] = {0.0, 0.0, 0.0};
@@ -251,9 +245,8 @@ static double energy_of_a_stroke(int in_mm, int out_mm, bool *out_is_whole)
 }
 
 /* What a contact has not taken it does not give: 40 mJ else. What it has, it does. */
-static void a_contact_gives_no_more_than_it_took(void **state)
+TEST(a_contact_gives_no_more_than_it_took)
 {
-    (void)state;
     bool is_whole;
     assert_near(energy_of_a_stroke(10, 0, &is_whole), 20e-3, 1e-9);
     assert_true(is_whole);
@@ -267,7 +260,7 @@ static void a_contact_gives_no_more_than_it_took(void **state)
 
 /* ---- bus ---- */
 
-static void bus_delays_and_keeps_order(void **state)
+TEST(bus_delays_and_keeps_order)
 {
     const ss_bus_config config = {.delay_ms = 2.0, .jitter_ms = 1.0, .outlier = 0.05, .seed = 3};
     ss_bus *bus = ss_bus_create(&config, sizeof(int));
@@ -299,7 +292,7 @@ static void bus_delays_and_keeps_order(void **state)
     ss_bus_destroy(&bus);
 }
 
-static void bus_loses_its_share_and_is_bounded(void **state)
+TEST(bus_loses_its_share_and_is_bounded)
 {
     const ss_bus_config lossy = {.loss = 0.1, .seed = 9};
     ss_bus *bus = ss_bus_create(&lossy, sizeof(int));
@@ -360,7 +353,7 @@ static int run_linear(bool is_correcting, double row[][14])
     return count;
 }
 
-static void device_meets_the_golden_trajectories(void **state)
+TEST(device_meets_the_golden_trajectories)
 {
     static const struct {
         bool is_correcting;
@@ -392,7 +385,7 @@ static void device_meets_the_golden_trajectories(void **state)
     }
 }
 
-static void free_device_follows_the_hand(void **state)
+TEST(free_device_follows_the_hand)
 {
     /* Every body, grip and script: at rest after the script the hand's friction and tremor leave
      * at most a millimetre, and no energy is exchanged without force. */
@@ -425,7 +418,7 @@ static void free_device_follows_the_hand(void **state)
     }
 }
 
-static void script_device_follows_its_path(void **state)
+TEST(script_device_follows_its_path)
 {
     static const char text[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
                                "2,3,0,0,0,1,0,0,0,0\n2.1,3,0.1,0,0,1,0,0,0,1\n";
@@ -449,7 +442,7 @@ static void script_device_follows_its_path(void **state)
 }
 
 /* A path says no velocity: the CSV has that of the row to the next. */
-static void the_csv_of_a_path_is_finite(void **state)
+TEST(the_csv_of_a_path_is_finite)
 {
     static const char text[] = "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
                                "2,0,0,0,0.1,1,0,0,0,0\n2.1,0,0.1,0,0.1,1,0,0,0,0\n";
@@ -488,7 +481,7 @@ static void the_csv_of_a_path_is_finite(void **state)
 
 /* ---- monitor ---- */
 
-static void json_is_well_formed(void **state)
+TEST(json_is_well_formed)
 {
     static char scene[] = "a \"quoted\" \\ \n \x01 name";
     static char model[] = "fem";
@@ -520,7 +513,7 @@ static void json_is_well_formed(void **state)
 }
 
 /* Each line that a field names is a line of the page, and the field is on it. */
-static void every_field_with_a_line_is_on_the_page(void **state)
+TEST(every_field_with_a_line_is_on_the_page)
 {
     static const struct {
         const char *name, *line, *text;
@@ -568,7 +561,7 @@ static void fill(double *value, int count, double with)
 }
 
 /* Whatever a forged status and forged forces say, no figure is longer than a column can be. */
-static void figures_of_a_stranger_are_bounded(void **state)
+TEST(figures_of_a_stranger_are_bounded)
 {
     static const double figure[] = {1e300, -1e300, DBL_MAX, -DBL_MAX, 1e15, DBL_MIN, NAN, INFINITY};
     static char scene[] = "k\x1b\x9b\xc2\x9b.yaml", reason[] = "\xc2\x9bK", model[] = "fem\n";
@@ -612,23 +605,5 @@ static void figures_of_a_stranger_are_bounded(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(axes_are_signed_permutations),
-        cmocka_unit_test(frames_are_consistent),
-        cmocka_unit_test(correction_follows_the_normal),
-        cmocka_unit_test(correction_is_bounded),
-        cmocka_unit_test(correction_of_a_grasp_is_signed_and_goes_all_ways),
-        cmocka_unit_test(force_fades_when_the_server_is_gone),
-        cmocka_unit_test(a_contact_gives_no_more_than_it_took),
-        cmocka_unit_test(bus_delays_and_keeps_order),
-        cmocka_unit_test(bus_loses_its_share_and_is_bounded),
-        cmocka_unit_test(device_meets_the_golden_trajectories),
-        cmocka_unit_test(free_device_follows_the_hand),
-        cmocka_unit_test(script_device_follows_its_path),
-        cmocka_unit_test(the_csv_of_a_path_is_finite),
-        cmocka_unit_test(json_is_well_formed),
-        cmocka_unit_test(every_field_with_a_line_is_on_the_page),
-        cmocka_unit_test(figures_of_a_stranger_are_bounded),
-    };
-    return cmocka_run_group_tests_name("bridge", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -3,18 +3,13 @@
 /* The parts of the haptic tick against analytic answers; the balance and the force limit are
  * test_haptic_limit.c, watchdog, ramps and the hash test_haptic_ramps.c, the closed loop
  * test_haptic_loop.c. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "haptic_fixture.h"
 
 /* ---- stiffness ---- */
 
-static void largest_eigenvalue_bounds_every_direction(void **state)
+TEST(largest_eigenvalue_bounds_every_direction)
 {
     random_state = 2;
     for (int n = 0; n < 1000; ++n) {
@@ -43,7 +38,7 @@ static void largest_eigenvalue_bounds_every_direction(void **state)
 
 /* ---- law ---- */
 
-static void felt_stiffness_is_the_softer_of_tissue_and_limit(void **state)
+TEST(felt_stiffness_is_the_softer_of_tissue_and_limit)
 {
     assert_near(ss_coupling_spring(800.0, 300.0), 20000.0, 1e-9);
     const double spring = ss_coupling_spring(800.0, 3000.0);
@@ -51,7 +46,7 @@ static void felt_stiffness_is_the_softer_of_tissue_and_limit(void **state)
     assert_near(ss_coupling_spring(800.0, 0.0), 800.0, 1e-9);
 }
 
-static void touch_and_leaving_are_continuous(void **state)
+TEST(touch_and_leaving_are_continuous)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -75,7 +70,7 @@ static void touch_and_leaving_are_continuous(void **state)
 
 /* Between results the local contact model is stiffer than the tissue by 15 %, and exact when
  * results are slow. */
-static void law_errs_high(void **state)
+TEST(law_errs_high)
 {
     const ss_haptic_config config = default_config();
     for (int is_slow = 0; is_slow < 2; ++is_slow) {
@@ -102,7 +97,7 @@ static void law_errs_high(void **state)
 }
 
 /* A result that disagrees by 0.5 N is not felt as a step: it comes in with tau = h/4. */
-static void updates_are_continuous_and_decay(void **state)
+TEST(updates_are_continuous_and_decay)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -172,9 +167,8 @@ static double push_aside(rig *r, double depth, int ticks)
 
 /* It comes without a step, carries the proxy with it, ends with the contact, and has its share of
  * the limit. */
-static void what_pushes_beside_the_contacts_is_felt(void **state)
+TEST(what_pushes_beside_the_contacts_is_felt)
 {
-    (void)state;
     ss_haptic_config config = default_config();
     config.tool_gyration = 0.005;
     rig r;
@@ -238,9 +232,8 @@ static double swing_of(double told)
     return most / force;
 }
 
-static void a_stiff_contact_on_soft_tissue_does_not_swing(void **state)
+TEST(a_stiff_contact_on_soft_tissue_does_not_swing)
 {
-    (void)state;
     const double still = swing_of(2e4), swinging = swing_of(0.0);
     print_message("a contact of 20 kN/m on 1 kN/m: %.2g of the force a tick, %.2g untold\n", still,
                   swinging);
@@ -250,7 +243,7 @@ static void a_stiff_contact_on_soft_tissue_does_not_swing(void **state)
 
 /* The tissue answers after the hand has come to rest: what is held back at the first result is let
  * in, however often results come. */
-static void a_touch_that_is_found_at_rest_is_let_in(void **state)
+TEST(a_touch_that_is_found_at_rest_is_let_in)
 {
     const ss_haptic_config config = default_config();
     for (int every = 1; every <= 16; every *= 4) {
@@ -278,7 +271,7 @@ static void a_touch_that_is_found_at_rest_is_let_in(void **state)
     }
 }
 
-static void curved_patch_bends_height_and_normal(void **state)
+TEST(curved_patch_bends_height_and_normal)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -301,7 +294,7 @@ static void curved_patch_bends_height_and_normal(void **state)
 
 /* ---- grasp ---- */
 
-static void grasp_starts_without_jump_and_holds_all_ways(void **state)
+TEST(grasp_starts_without_jump_and_holds_all_ways)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -342,7 +335,7 @@ static void grasp_starts_without_jump_and_holds_all_ways(void **state)
     rig_end(&r);
 }
 
-static void grasp_ends_when_the_model_does_not_hold(void **state)
+TEST(grasp_ends_when_the_model_does_not_hold)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -359,7 +352,7 @@ static void grasp_ends_when_the_model_does_not_hold(void **state)
 
 /* ---- guards ---- */
 
-static void non_finite_input_repeats_the_force(void **state)
+TEST(non_finite_input_repeats_the_force)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -396,7 +389,7 @@ static void non_finite_input_repeats_the_force(void **state)
     rig_end(&r);
 }
 
-static void absurd_numbers_stay_finite(void **state)
+TEST(absurd_numbers_stay_finite)
 {
     random_state = 3;
     const ss_haptic_config config = default_config();
@@ -421,7 +414,7 @@ static void absurd_numbers_stay_finite(void **state)
     rig_end(&r);
 }
 
-static void nothing_is_sent_before_the_first_pose(void **state)
+TEST(nothing_is_sent_before_the_first_pose)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -443,7 +436,7 @@ static void nothing_is_sent_before_the_first_pose(void **state)
     rig_end(&r);
 }
 
-static void prediction_is_bounded(void **state)
+TEST(prediction_is_bounded)
 {
     ss_proxy_target target = {.proxy = {1, 2, 3}, .velocity = {0.1, 0, 0}};
     double p[3];
@@ -459,9 +452,8 @@ static void prediction_is_bounded(void **state)
 /* A hand that pokes at 4.5 Hz, 3.5 mm either way of the middle, stops and turns: predicted by its
  * velocity alone, the tool of a 60 Hz simulation goes sqrt(1 + (w t)^2) - 1 of that further than
  * the hand ever does, t = 25 ms. */
-static void tool_turns_with_the_hand(void **state)
+TEST(tool_turns_with_the_hand)
 {
-    (void)state;
     const double size = 3.5e-3, w = 2.0 * SS_PI * 4.5, ahead = 0.025;
     const double straight = size * (sqrt(1.0 + w * ahead * w * ahead) - 1.0);
     const ss_haptic_config config = default_config();
@@ -483,9 +475,8 @@ static void tool_turns_with_the_hand(void **state)
 
 /* A coupling that is softer than the tissue lets the proxy go a part of the hand's way, and that
  * much of it is predicted: 1 m/s of the hand's is 200 / (200 + 1.15 1000) of it. */
-static void a_proxy_that_the_tissue_holds_back_is_predicted_so(void **state)
+TEST(a_proxy_that_the_tissue_holds_back_is_predicted_so)
 {
-    (void)state;
     const double k = 1000.0, step = 1e-5;
     ss_haptic_config config = default_config();
     config.stiffness = 1.15 * k * 200.0 / (200.0 + 1.15 * k); /* in series: a spring of 200 N/m */
@@ -503,9 +494,8 @@ static void a_proxy_that_the_tissue_holds_back_is_predicted_so(void **state)
 }
 
 /* The coupling follows the tissue, not how old its results are: a press is held with one force. */
-static void slow_results_leave_the_coupling_as_it_is(void **state)
+TEST(slow_results_leave_the_coupling_as_it_is)
 {
-    (void)state;
     ss_haptic_config config = default_config();
     config.stiffness = 300.0;
     double proxy[2];
@@ -528,25 +518,5 @@ static void slow_results_leave_the_coupling_as_it_is(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(largest_eigenvalue_bounds_every_direction),
-        cmocka_unit_test(felt_stiffness_is_the_softer_of_tissue_and_limit),
-        cmocka_unit_test(touch_and_leaving_are_continuous),
-        cmocka_unit_test(law_errs_high),
-        cmocka_unit_test(updates_are_continuous_and_decay),
-        cmocka_unit_test(what_pushes_beside_the_contacts_is_felt),
-        cmocka_unit_test(a_stiff_contact_on_soft_tissue_does_not_swing),
-        cmocka_unit_test(a_touch_that_is_found_at_rest_is_let_in),
-        cmocka_unit_test(curved_patch_bends_height_and_normal),
-        cmocka_unit_test(grasp_starts_without_jump_and_holds_all_ways),
-        cmocka_unit_test(grasp_ends_when_the_model_does_not_hold),
-        cmocka_unit_test(non_finite_input_repeats_the_force),
-        cmocka_unit_test(absurd_numbers_stay_finite),
-        cmocka_unit_test(nothing_is_sent_before_the_first_pose),
-        cmocka_unit_test(prediction_is_bounded),
-        cmocka_unit_test(tool_turns_with_the_hand),
-        cmocka_unit_test(a_proxy_that_the_tissue_holds_back_is_predicted_so),
-        cmocka_unit_test(slow_results_leave_the_coupling_as_it_is),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -2,12 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The balance of the proxy and the force limit, against oracles and on hand-made tissue of one to
  * eight contacts; on bodies of every model test_headless_limit.c. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "haptic_fixture.h"
@@ -74,7 +69,7 @@ static bool brute_force(const ss_balance *b, double out_d[3])
     return false;
 }
 
-static void balance_matches_brute_force(void **state)
+TEST(balance_matches_brute_force)
 {
     random_state = 1;
     int most_passes = 0;
@@ -140,7 +135,7 @@ static void random_grasp(ss_balance *b)
 
 /* The conditions of the limited balance, with the softened spring written out: the spring answers
  * the local contact model, and the force is the limit where the stiff balance would exceed it. */
-static void limited_balance_meets_its_conditions(void **state)
+TEST(limited_balance_meets_its_conditions)
 {
     random_state = 3;
     int most_passes = 0, limited = 0, too_far = 0;
@@ -197,7 +192,7 @@ static void limited_balance_meets_its_conditions(void **state)
 }
 
 /* For one contact in closed form: d = (a - L)/k', the spring's share L/(K d). */
-static void one_contact_slips_by_closed_form(void **state)
+TEST(one_contact_slips_by_closed_form)
 {
     ss_balance b = {.spring = 2000.0, .count = 1, .limit = 1.0};
     ss_rest rest;
@@ -211,7 +206,7 @@ static void one_contact_slips_by_closed_form(void **state)
 
 /* What cannot be slipped out of leaves the proxy where the stiff spring holds it: F/K from the
  * hand. */
-static void a_law_without_stiffness_keeps_the_proxy_near(void **state)
+TEST(a_law_without_stiffness_keeps_the_proxy_near)
 {
     ss_balance b = {.spring = 2000.0, .is_held = true, .limit = 1.0};
     ss_rest rest;
@@ -324,7 +319,7 @@ static void press(const press_plan *plan, limit_tick out[PRESS])
     rig_end(&r);
 }
 
-static void a_press_stays_at_the_limit(void **state)
+TEST(a_press_stays_at_the_limit)
 {
     static limit_tick tick[PRESS], open[PRESS];
     static const double limit[4] = {0.5, 1.0, 2.0, 8.0};
@@ -369,7 +364,7 @@ static void a_press_stays_at_the_limit(void **state)
 }
 
 /* A grasp at its limit is a constant pull along the way it is drawn. */
-static void a_grasp_stays_at_the_limit(void **state)
+TEST(a_grasp_stays_at_the_limit)
 {
     static limit_tick tick[PRESS];
     for (int count = 1; count <= 8; count += 3) {
@@ -395,9 +390,8 @@ static void a_grasp_stays_at_the_limit(void **state)
 /* The tissue reacts with 110 N in the tick in which a grasp is let go, or in the one before, for a
  * while: what is left over of that is no more than what the hand felt, and never points into the
  * tissue that pushes out. */
-static void a_grasp_let_go_never_reverses_the_force(void **state)
+TEST(a_grasp_let_go_never_reverses_the_force)
 {
-    (void)state;
     enum { RELEASE = 100 };
     for (int begin = RELEASE - 1; begin <= RELEASE; ++begin) {
         for (int end = RELEASE + 1; end <= RELEASE + 4; ++end) {
@@ -425,9 +419,8 @@ static void a_grasp_let_go_never_reverses_the_force(void **state)
 
 /* Tissue that another tool moves: from result to result its surface is another one, or two, and
  * the hand moves as it likes. A single contact pushes, whatever is left of the others. */
-static void a_contact_never_draws_the_hand_in(void **state)
+TEST(a_contact_never_draws_the_hand_in)
 {
-    (void)state;
     random_state = 7;
     int touched = 0;
     for (int run = 0; run < 40; ++run) {
@@ -469,9 +462,8 @@ static void a_contact_never_draws_the_hand_in(void **state)
 
 /* A hand that goes on to 25 mm below the top of a ball of 30 mm whose normal trembles from result
  * to result, as that of a coarse mesh does: the ball is pressed with the limit. */
-static void a_hand_far_beyond_the_limit_presses_with_the_limit(void **state)
+TEST(a_hand_far_beyond_the_limit_presses_with_the_limit)
 {
-    (void)state;
     for (int period = 1; period <= 16; period *= 4) {
         ss_haptic_config config = default_config();
         config.max_force = 1.0;
@@ -500,9 +492,8 @@ static void a_hand_far_beyond_the_limit_presses_with_the_limit(void **state)
 
 /* A membrane that answers a move at once with 45 kN/m, and with 300 N/m in the end, as it says: a
  * hand far beyond the limit does not have it swing. */
-static void a_membrane_at_the_limit_does_not_swing(void **state)
+TEST(a_membrane_at_the_limit_does_not_swing)
 {
-    (void)state;
     ss_haptic_config config = default_config();
     config.damping = 2.0;
     config.stiffness = 800.0;
@@ -528,7 +519,7 @@ static void a_membrane_at_the_limit_does_not_swing(void **state)
 }
 
 /* hold and linear cut the force, and their proxy stays where the tissue answers with the limit. */
-static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
+TEST(hold_and_linear_keep_the_limit_and_the_proxy)
 {
     static limit_tick tick[PRESS];
     for (int mode = SS_BETWEEN_HOLD; mode <= SS_BETWEEN_LINEAR; ++mode) {
@@ -554,7 +545,7 @@ static void hold_and_linear_keep_the_limit_and_the_proxy(void **state)
 
 /* Lowered and raised while pressed: the force goes down there as the slew allows and up within .3
  * s, and no further; the proxy goes with it, without a swing. */
-static void a_changed_limit_is_reached_by_the_slew(void **state)
+TEST(a_changed_limit_is_reached_by_the_slew)
 {
     static const double slew[2] = {2000.0, 100.0};
     for (int s = 0; s < 2; ++s) {
@@ -597,7 +588,7 @@ static void a_changed_limit_is_reached_by_the_slew(void **state)
     }
 }
 
-static void force_is_limited_and_the_proxy_slips(void **state)
+TEST(force_is_limited_and_the_proxy_slips)
 {
     ss_haptic_config config = default_config();
     config.max_force = 3.0;
@@ -628,20 +619,5 @@ static void force_is_limited_and_the_proxy_slips(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(balance_matches_brute_force),
-        cmocka_unit_test(limited_balance_meets_its_conditions),
-        cmocka_unit_test(one_contact_slips_by_closed_form),
-        cmocka_unit_test(a_law_without_stiffness_keeps_the_proxy_near),
-        cmocka_unit_test(a_press_stays_at_the_limit),
-        cmocka_unit_test(a_grasp_stays_at_the_limit),
-        cmocka_unit_test(a_grasp_let_go_never_reverses_the_force),
-        cmocka_unit_test(a_contact_never_draws_the_hand_in),
-        cmocka_unit_test(a_hand_far_beyond_the_limit_presses_with_the_limit),
-        cmocka_unit_test(a_membrane_at_the_limit_does_not_swing),
-        cmocka_unit_test(hold_and_linear_keep_the_limit_and_the_proxy),
-        cmocka_unit_test(a_changed_limit_is_reached_by_the_slew),
-        cmocka_unit_test(force_is_limited_and_the_proxy_slips),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

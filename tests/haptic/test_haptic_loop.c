@@ -8,12 +8,7 @@
  * pose quantised to 30 um. Tissue: a chain of six masses (30 g), static force K d (1 + d/15 mm),
  * viscosity 1 ms x stiffness, one Maxwell branch of 0.4 K and 0.1 s. The judge is tools/bench's.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -454,7 +449,7 @@ static void assert_near(double value, double expected, double tolerance)
 }
 
 /* The simulated hand must be the specified one: 500 N/m, two ticks late, lossless. */
-static void device_matches_golden_numbers(void **state)
+TEST(device_matches_golden_numbers)
 {
     static const struct {
         int tick;
@@ -492,7 +487,7 @@ static void device_matches_golden_numbers(void **state)
 /* Every hand, every tissue, at a slow and a fast simulation: still, and it gives nothing away. The
  * 4 Hz taps at 0.3 m/s meet the 150 N/m tissue at the resonance of its own mass with a 60 Hz step;
  * that one may hand out what no energy controller is there to take. */
-static void stays_still_and_passive(void **state)
+TEST(stays_still_and_passive)
 {
     SKIP_WHERE_REPEATED();
     static const double rate_hz[2] = {60.0, 1000.0};
@@ -526,7 +521,7 @@ static void stays_still_and_passive(void **state)
 }
 
 /* The test can fail: the same loop with the last force held is a motor. */
-static void holding_the_last_force_is_found_bad(void **state)
+TEST(holding_the_last_force_is_found_bad)
 {
     setting set = base(&bodies[0], PRESS, 300.0, 60.0);
     set.between_steps = SS_BETWEEN_HOLD;
@@ -542,7 +537,7 @@ static void holding_the_last_force_is_found_bad(void **state)
 }
 
 /* The limit follows the delay of the loop, as force_seq tells it, and keeps the hand still. */
-static void limit_follows_the_bus(void **state)
+TEST(limit_follows_the_bus)
 {
     static const struct {
         int one_way;
@@ -572,7 +567,7 @@ static void limit_follows_the_bus(void **state)
 }
 
 /* A client that corrects keeps the stiffness that the bus would cost. */
-static void correction_keeps_the_stiffness(void **state)
+TEST(correction_keeps_the_stiffness)
 {
     setting set = base(&bodies[0], PRESS, 3000.0, 1000.0);
     set.one_way = 1;
@@ -587,7 +582,7 @@ static void correction_keeps_the_stiffness(void **state)
 }
 
 /* Found 10 mm inside 1 kN/m: the hand is not thrown out. */
-static void device_found_inside_is_let_in_slowly(void **state)
+TEST(device_found_inside_is_let_in_slowly)
 {
     for (int b = 0; b < 3; ++b) {
         for (int r = 0; r < 2; ++r) {
@@ -607,7 +602,7 @@ static void device_found_inside_is_let_in_slowly(void **state)
     }
 }
 
-static void equal_runs_give_equal_bits(void **state)
+TEST(equal_runs_give_equal_bits)
 {
     const setting set = base(&bodies[1], POKE, 300.0, 60.0);
     outcome *a = run(&set);
@@ -623,14 +618,5 @@ static void equal_runs_give_equal_bits(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(device_matches_golden_numbers),
-        cmocka_unit_test(stays_still_and_passive),
-        cmocka_unit_test(holding_the_last_force_is_found_bad),
-        cmocka_unit_test(limit_follows_the_bus),
-        cmocka_unit_test(correction_keeps_the_stiffness),
-        cmocka_unit_test(device_found_inside_is_let_in_slowly),
-        cmocka_unit_test(equal_runs_give_equal_bits),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

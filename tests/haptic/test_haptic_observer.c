@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Energy, delay and stiffness limit as the observer has them, against closed forms. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +11,7 @@
 
 /* A lossless spring answered n ticks late hands out K a^2 N sin(w T/2) sin(w (tau + T/2)) over N
  * ticks of a full period (the sum in closed form). */
-static void observer_sees_the_gift_of_delay(void **state)
+TEST(observer_sees_the_gift_of_delay)
 {
     ss_haptic_config config = default_config();
     config.is_lockstep = false;
@@ -61,7 +56,7 @@ static void observer_sees_the_gift_of_delay(void **state)
     free(observer);
 }
 
-static void applied_force_of_the_device_counts_first(void **state)
+TEST(applied_force_of_the_device_counts_first)
 {
     const ss_haptic_config config = default_config();
     ss_observer *observer = calloc(1, sizeof *observer);
@@ -79,7 +74,7 @@ static void applied_force_of_the_device_counts_first(void **state)
     free(observer);
 }
 
-static void limit_follows_the_rule_and_its_rate(void **state)
+TEST(limit_follows_the_rule_and_its_rate)
 {
     ss_haptic_config config = default_config();
     config.stiffness = 800.0;
@@ -110,7 +105,7 @@ static void limit_follows_the_rule_and_its_rate(void **state)
 }
 
 /* The delay forgets what is older than a second, and hostile numbers do not enter. */
-static void delay_is_of_the_last_second(void **state)
+TEST(delay_is_of_the_last_second)
 {
     ss_haptic_config config = default_config();
     config.is_lockstep = false;
@@ -147,11 +142,5 @@ static void delay_is_of_the_last_second(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(observer_sees_the_gift_of_delay),
-        cmocka_unit_test(applied_force_of_the_device_counts_first),
-        cmocka_unit_test(limit_follows_the_rule_and_its_rate),
-        cmocka_unit_test(delay_is_of_the_last_second),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

@@ -5,12 +5,7 @@
  * of `softsim-bench felt --hands`, those that handed out most without damping and back-off, and
  * good contacts, in which neither may act.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -53,9 +48,8 @@ static void play(const row *r, ss_hand_outcome *out)
         out->least_limit_n_per_m);
 }
 
-static void a_late_bus_hands_out_little(void **state)
+TEST(a_late_bus_hands_out_little)
 {
-    (void)state;
     static const row rows[] = {
         {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 1000, 10, false, 0},
         {SS_SCRIPT_POKE, SS_BODY_LIGHT, SS_GRIP_SOFT, 300, 1000, 5, false, 0},
@@ -80,9 +74,8 @@ static void a_late_bus_hands_out_little(void **state)
 
 /* A bus of up to a millisecond, presses and 2 Hz pokes: neither damping nor back-off has anything
  * to do, whatever the hand and the tissue. */
-static void good_contacts_are_left_alone(void **state)
+TEST(good_contacts_are_left_alone)
 {
-    (void)state;
     static const double tissue[3] = {50.0, 300.0, 3000.0};
     SKIP_WHERE_REPEATED();
     for (int n = 0; n < 3 * 3 * 3 * 2 * 2; ++n) {
@@ -119,9 +112,8 @@ static ss_observer *touching_observer(double energy, double delay)
 }
 
 /* E below what is allowed: alpha v, at most alpha_max v and the debt in one tick, never a pull. */
-static void damping_takes_the_debt_and_never_pulls(void **state)
+TEST(damping_takes_the_debt_and_never_pulls)
 {
-    (void)state;
     static const struct {
         const char *what;
         double energy, delay, speed, force, expected;
@@ -166,9 +158,8 @@ static void damping_takes_the_debt_and_never_pulls(void **state)
 }
 
 /* What is on its way counts: 10 forces of 2 N against a hand that leaves at 0.1 m/s are 2 mJ. */
-static void what_is_on_its_way_counts(void **state)
+TEST(what_is_on_its_way_counts)
 {
-    (void)state;
     ss_observer *observer = touching_observer(1e-3, 10e-3);
     for (int n = 1; n <= 100; ++n) {
         ss_observer_force(observer, &(ss_past_force){.seq = n, .tick = n, .force = {0, 0, 2.0}});
@@ -186,9 +177,8 @@ static void what_is_on_its_way_counts(void **state)
 
 /* -1 mJ: K_max x 0.8, once in 20 ms and not again for the same debt; floor 50; back by 10 %/s out
  * of contact. */
-static void back_off_is_paced_and_comes_back(void **state)
+TEST(back_off_is_paced_and_comes_back)
 {
-    (void)state;
     ss_observer *observer = touching_observer(-1.5e-3, 1e-3);
     ss_passivity passivity;
     ss_passivity_init(&passivity);
@@ -225,9 +215,8 @@ static void back_off_is_paced_and_comes_back(void **state)
 }
 
 /* A device that tells forces which drive it is backed off from; the next one feels the tissue. */
-static void what_a_device_told_ends_with_it(void **state)
+TEST(what_a_device_told_ends_with_it)
 {
-    (void)state;
     rig r;
     const ss_haptic_config config = default_config();
     rig_start(&r, &config);
@@ -253,13 +242,5 @@ static void what_a_device_told_ends_with_it(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_a_device_told_ends_with_it),
-        cmocka_unit_test(damping_takes_the_debt_and_never_pulls),
-        cmocka_unit_test(what_is_on_its_way_counts),
-        cmocka_unit_test(back_off_is_paced_and_comes_back),
-        cmocka_unit_test(a_late_bus_hands_out_little),
-        cmocka_unit_test(good_contacts_are_left_alone),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

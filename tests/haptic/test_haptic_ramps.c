@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* Slew, watchdog, ramps and entry of the haptic tick, and what its hash tells apart. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "haptic_fixture.h"
 
-static void slew_is_limited_as_a_vector(void **state)
+TEST(slew_is_limited_as_a_vector)
 {
     ss_haptic_config config = default_config();
     config.max_slew = 100.0;
@@ -28,7 +23,7 @@ static void slew_is_limited_as_a_vector(void **state)
     rig_end(&r);
 }
 
-static void watchdog_ramps_after_50_ticks_in_20(void **state)
+TEST(watchdog_ramps_after_50_ticks_in_20)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -56,7 +51,7 @@ static void watchdog_ramps_after_50_ticks_in_20(void **state)
 }
 
 /* A thread that sleeps through the beginning of the ramp does not end it later. */
-static void missed_ticks_do_not_lengthen_the_ramp(void **state)
+TEST(missed_ticks_do_not_lengthen_the_ramp)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -75,7 +70,7 @@ static void missed_ticks_do_not_lengthen_the_ramp(void **state)
 }
 
 /* Nor does one that sleeps within a ramp, or an entry, end it in one step. */
-static void missed_ticks_do_not_step_the_force(void **state)
+TEST(missed_ticks_do_not_step_the_force)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -100,7 +95,7 @@ static void missed_ticks_do_not_step_the_force(void **state)
 }
 
 /* Before the haptic loop hears of a reset, or the model does: results from across it are no law. */
-static void results_from_across_a_reset_do_not_count(void **state)
+TEST(results_from_across_a_reset_do_not_count)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -121,7 +116,7 @@ static void results_from_across_a_reset_do_not_count(void **state)
     rig_end(&r);
 }
 
-static void entry_fades_the_depth_over_500_ticks(void **state)
+TEST(entry_fades_the_depth_over_500_ticks)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -156,9 +151,8 @@ static void entry_fades_the_depth_over_500_ticks(void **state)
 
 /* The tissue presses against a tool from the moment that it has its place in it: felt from no force
  * on, without a step. */
-static void tissue_that_springs_back_is_let_in_without_a_step(void **state)
+TEST(tissue_that_springs_back_is_let_in_without_a_step)
 {
-    (void)state;
     const ss_haptic_config config = default_config();
     rig r;
     rig_start(&r, &config);
@@ -181,7 +175,7 @@ static void tissue_that_springs_back_is_let_in_without_a_step(void **state)
     rig_end(&r);
 }
 
-static void late_results_ramp_with_the_fault_flag(void **state)
+TEST(late_results_ramp_with_the_fault_flag)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -207,7 +201,7 @@ static void late_results_ramp_with_the_fault_flag(void **state)
     rig_end(&r);
 }
 
-static void fault_of_the_model_ramps(void **state)
+TEST(fault_of_the_model_ramps)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -224,7 +218,7 @@ static void fault_of_the_model_ramps(void **state)
     rig_end(&r);
 }
 
-static void pause_and_stop_ramp_without_the_fault_flag(void **state)
+TEST(pause_and_stop_ramp_without_the_fault_flag)
 {
     const ss_haptic_config config = default_config();
     for (int is_stop = 0; is_stop < 2; ++is_stop) {
@@ -255,7 +249,7 @@ static void pause_and_stop_ramp_without_the_fault_flag(void **state)
 
 /* A ramp that finds no force gives none, whatever the local contact model's offsets become
  * meanwhile. */
-static void a_ramp_from_nothing_gives_nothing(void **state)
+TEST(a_ramp_from_nothing_gives_nothing)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -281,7 +275,7 @@ static void a_ramp_from_nothing_gives_nothing(void **state)
 
 /* Found inside, the tool goes out to the surface within a period. That jump is in the next result's
  * velocity, and in its reaction; the hand, still outside, feels neither at once. */
-static void the_jump_to_the_surface_is_not_felt(void **state)
+TEST(the_jump_to_the_surface_is_not_felt)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -302,7 +296,7 @@ static void the_jump_to_the_surface_is_not_felt(void **state)
 
 /* Two hands found at different depths under one point of the surface: their forces, both none yet,
  * and proxies are the same to the bit, and will not be. */
-static void the_hash_tells_hands_apart_before_their_forces_do(void **state)
+TEST(the_hash_tells_hands_apart_before_their_forces_do)
 {
     const ss_haptic_config config = default_config();
     uint64_t hash[2];
@@ -321,7 +315,7 @@ static void the_hash_tells_hands_apart_before_their_forces_do(void **state)
 }
 
 /* Each of what steers the force after the next result. */
-static void the_hash_tells_laws_apart(void **state)
+TEST(the_hash_tells_laws_apart)
 {
     static const struct {
         const char *what;
@@ -358,7 +352,7 @@ static void the_hash_tells_laws_apart(void **state)
 
 /* One is found inside once, the other in the step before, too: the simulation awaits another number
  * of entries, and all else is the same. */
-static void the_hash_tells_entries_apart(void **state)
+TEST(the_hash_tells_entries_apart)
 {
     const ss_haptic_config config = default_config();
     uint64_t hash[2];
@@ -383,7 +377,7 @@ static void the_hash_tells_entries_apart(void **state)
 }
 
 /* A reset or pause while the depth still fades in: the ramp does not let the rest of it in. */
-static void a_ramp_that_interrupts_an_entry_only_falls(void **state)
+TEST(a_ramp_that_interrupts_an_entry_only_falls)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -412,7 +406,7 @@ static void a_ramp_that_interrupts_an_entry_only_falls(void **state)
     rig_end(&r);
 }
 
-static void new_holder_starts_without_force(void **state)
+TEST(new_holder_starts_without_force)
 {
     const ss_haptic_config config = default_config();
     rig r;
@@ -426,7 +420,7 @@ static void new_holder_starts_without_force(void **state)
     rig_end(&r);
 }
 
-static void target_has_the_whole_orientation(void **state)
+TEST(target_has_the_whole_orientation)
 {
     const ss_haptic_config config = default_config();
     static const double turned[4] = {0.5, -0.5, 0.1, 0.7};
@@ -442,7 +436,7 @@ static void target_has_the_whole_orientation(void **state)
 
 /* The admission takes it wherever it is, before the ramp is over or even before the loop saw the
  * silence: the same device, so its force may not step. */
-static void device_that_returns_elsewhere_ramps_first(void **state)
+TEST(device_that_returns_elsewhere_ramps_first)
 {
     const ss_haptic_config config = default_config();
     static const int silent_ticks[3] = {0, 49, 55};
@@ -477,26 +471,5 @@ static void device_that_returns_elsewhere_ramps_first(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(slew_is_limited_as_a_vector),
-        cmocka_unit_test(watchdog_ramps_after_50_ticks_in_20),
-        cmocka_unit_test(missed_ticks_do_not_lengthen_the_ramp),
-        cmocka_unit_test(missed_ticks_do_not_step_the_force),
-        cmocka_unit_test(results_from_across_a_reset_do_not_count),
-        cmocka_unit_test(entry_fades_the_depth_over_500_ticks),
-        cmocka_unit_test(tissue_that_springs_back_is_let_in_without_a_step),
-        cmocka_unit_test(late_results_ramp_with_the_fault_flag),
-        cmocka_unit_test(fault_of_the_model_ramps),
-        cmocka_unit_test(pause_and_stop_ramp_without_the_fault_flag),
-        cmocka_unit_test(a_ramp_from_nothing_gives_nothing),
-        cmocka_unit_test(the_jump_to_the_surface_is_not_felt),
-        cmocka_unit_test(the_hash_tells_hands_apart_before_their_forces_do),
-        cmocka_unit_test(the_hash_tells_laws_apart),
-        cmocka_unit_test(the_hash_tells_entries_apart),
-        cmocka_unit_test(a_ramp_that_interrupts_an_entry_only_falls),
-        cmocka_unit_test(new_holder_starts_without_force),
-        cmocka_unit_test(target_has_the_whole_orientation),
-        cmocka_unit_test(device_that_returns_elsewhere_ramps_first),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

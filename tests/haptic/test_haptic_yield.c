@@ -2,12 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* What the hand feels of stiff tissue, as the difference of the force over the difference of the
  * way: no stiffer than the limit, and as the wire says. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "haptic_fixture.h"
 
@@ -55,9 +50,8 @@ static double path_z(int n)
     return 1e-3 - 9e-3 * (down - up);
 }
 
-static void limit_holds_from_the_first_tick(void **state)
+TEST(limit_holds_from_the_first_tick)
 {
-    (void)state;
     static const layers tissue[] = {{1, 0.0, 100.0, 6000.0, 0.0},
                                     {1, 0.0, 4000.0, 4000.0, 0.0},
                                     {2, 1e-3, 300.0, 300.0, 0.0},
@@ -119,9 +113,8 @@ static void held_force(const layers *tissue, double limit, double z, const doubl
 }
 
 /* What the wire says, against the difference of two forces 20 um apart: within 5 %. */
-static void wire_says_what_is_felt(void **state)
+TEST(wire_says_what_is_felt)
 {
-    (void)state;
     static const layers tissue[] = {{1, 0.0, 100.0, 6000.0, 0.0},   {1, 0.0, 250.0, 250.0, 0.0},
                                     {1, 0.0, 4000.0, 4000.0, 0.0},  {2, 1e-3, 300.0, 300.0, 0.0},
                                     {2, 0.1e-3, 900.0, 900.0, 0.6}, {4, 0.5e-3, 100.0, 900.0, 0.6}};
@@ -144,9 +137,8 @@ static void wire_says_what_is_felt(void **state)
 
 /* A stiffness that differs from tick to tick takes the spring of a touch down at once, that of a
  * grasp no further than the slow pace does both ways. */
-static void a_grasp_softens_as_slowly_as_it_stiffens(void **state)
+TEST(a_grasp_softens_as_slowly_as_it_stiffens)
 {
-    (void)state;
     for (int is_grasping = 0; is_grasping <= 1; ++is_grasping) {
         ss_yield yield = {.spring = 1000.0};
         for (int i = 0; i < 40; ++i) {
@@ -162,10 +154,5 @@ static void a_grasp_softens_as_slowly_as_it_stiffens(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_grasp_softens_as_slowly_as_it_stiffens),
-        cmocka_unit_test(wire_says_what_is_felt),
-        cmocka_unit_test(limit_holds_from_the_first_tick),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }

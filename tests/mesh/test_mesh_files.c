@@ -489,8 +489,6 @@ TEST(groups_and_tetrahedra_survive_msh)
 
 /* ---- softsim-mesh ---- */
 
-#define TOOL BIN_DIR "/softsim-mesh "
-
 TEST(generated_organs_are_closed_even_and_of_the_points_asked_for)
 {
     SKIP_WHERE_REPEATED();
@@ -504,13 +502,7 @@ TEST(generated_organs_are_closed_even_and_of_the_points_asked_for)
                   {"liver --points 1500", 1500, {200, 124, 84}},
                   {"ellipsoid --points 642 --size-mm 120,60,80", 642, {120, 60, 80}}};
     for (int32_t i = 0; i < COUNT(organs); ++i) {
-        char command[256];
-        char out[1024];
-        (void)snprintf(command, sizeof command, TOOL "generate %s --out organ.obj",
-                       organs[i].arguments);
-        if (run(command, out, sizeof out) != 0) {
-            fail_msg("%s", out);
-        }
+        run_tool("generate %s --out organ.obj", organs[i].arguments);
         ss_mesh *m = load(in_folder("organ.obj"), 0.001);
         ss_mesh_report r;
         (void)ss_mesh_check(m, &r);
@@ -540,9 +532,7 @@ TEST(bundled_meshes_are_what_the_generator_makes)
                    {"cylinder", "cylinder.obj", 1.0}};
     for (int32_t i = 0; i < COUNT(bundles); ++i) {
         char text[512];
-        char out[1024];
-        (void)snprintf(text, sizeof text, TOOL "generate %s --out again.obj", bundles[i].arguments);
-        assert_int_equal(run(text, out, sizeof out), 0);
+        run_tool("generate %s --out again.obj", bundles[i].arguments);
         (void)snprintf(text, sizeof text, SOURCE_DIR "/server/scenes/%s", bundles[i].name);
         ss_mesh *bundled = load(text, bundles[i].unit);
         ss_mesh *again = load(in_folder("again.obj"), bundles[i].unit);
@@ -638,11 +628,7 @@ TEST(check_and_info_exit_as_promised)
     (void)write_text("open.obj", CUBE_V "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n");
     (void)write_text("mixed.obj", CUBE_V "f 1 3 4 2\nf 5 6 8\nf 5 8 7\n");
     (void)write_text("twice.obj", CUBE_V "f 1 3 4\nf 1 3 4\nf 3 1 2\n");
-    const struct {
-        const char *arguments;
-        int status;
-        const char *says;
-    } cases[] = {
+    static const tool_row rows[] = {
         {"check good.obj", 0, "good.obj: good"},
         {"check open.obj", 1, "open.obj: open edges: 4"},
         {"check twice.obj", 2, "twice.obj: triangles that are there already: 1"},
@@ -677,15 +663,7 @@ TEST(check_and_info_exit_as_promised)
         {"--help", 0, "usage: softsim-mesh"},
         {"--version", 0, "softsim-mesh " SOFTSIM_VERSION},
     };
-    for (int32_t i = 0; i < COUNT(cases); ++i) {
-        char command[512];
-        char out[8192];
-        (void)snprintf(command, sizeof command, TOOL "%s", cases[i].arguments);
-        const int status = run(command, out, sizeof out);
-        if (status != cases[i].status || strstr(out, cases[i].says) == NULL) {
-            fail_msg("%s: %d: %s", cases[i].arguments, status, out);
-        }
-    }
+    expect_answers(rows, COUNT(rows));
 }
 
 int main(void)

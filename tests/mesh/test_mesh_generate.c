@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* softsim-mesh generate: bodies of tetrahedra, their measures, shapes and groups. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 #include <math.h>
 
 #include "common/effort.h"
@@ -67,8 +62,7 @@ static double cut_volume(double a, double b, double c, double base)
     return SS_PI * a * b * (base - base * base * base / (3.0 * c * c) + 2.0 * c / 3.0);
 }
 
-static void
-bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for(void **state)
+TEST(bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for)
 {
     const double ellipsoid = 4.0 / 3.0 * SS_PI;
     const struct {
@@ -108,7 +102,7 @@ bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for(void
     }
 }
 
-static void a_liver_of_tetrahedra_is_as_large_as_the_published_one(void **state)
+TEST(a_liver_of_tetrahedra_is_as_large_as_the_published_one)
 {
     if (!FULL_IN_RELEASE(true, false)) {
         skip();
@@ -122,7 +116,7 @@ static void a_liver_of_tetrahedra_is_as_large_as_the_published_one(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void finer_meshes_are_nearer_to_the_volume(void **state)
+TEST(finer_meshes_are_nearer_to_the_volume)
 {
     SKIP_WHERE_REPEATED();
     const char *const shapes[] = {"ellipsoid", "ventricle", "ellipsoids", "cylinder"};
@@ -146,7 +140,7 @@ static void finer_meshes_are_nearer_to_the_volume(void **state)
     }
 }
 
-static void groups_are_where_they_say(void **state)
+TEST(groups_are_where_they_say)
 {
     ss_mesh *m = generate("ventricle --tetrahedra --points 1500", "v.msh", 1.0);
     const struct {
@@ -183,7 +177,7 @@ static void groups_are_where_they_say(void **state)
     ss_mesh_destroy(&m);
 }
 
-static void surfaces_of_bodies_keep_their_groups_and_have_no_inner_nodes(void **state)
+TEST(surfaces_of_bodies_keep_their_groups_and_have_no_inner_nodes)
 {
     ss_mesh *m = generate("ventricle --points 1500", "s.msh", 1.0);
     (void)expect_clean(m, 0.0);
@@ -206,7 +200,7 @@ static void surfaces_of_bodies_keep_their_groups_and_have_no_inner_nodes(void **
 }
 
 /* Made without what is within: the very surface of the whole box, and room for a million nodes. */
-static void the_surface_of_a_box_needs_no_inside(void **state)
+TEST(the_surface_of_a_box_needs_no_inside)
 {
     char out[2048];
     ss_mesh *whole = generate("block --tetrahedra --points 1331", "whole.msh", 1.0);
@@ -226,11 +220,11 @@ static void the_surface_of_a_box_needs_no_inside(void **state)
     if (!FULL_IN_LONG_RUN(true, false)) {
         return;
     }
-    assert_int_equal(run(TOOL "generate block --points 1000000 --out m.msh", out, sizeof out), 0);
+    run_tool("generate block --points 1000000 --out m.msh");
     assert_non_null(strstr(out, "998786 nodes"));
 }
 
-static void the_same_bytes_come_out_every_time(void **state)
+TEST(the_same_bytes_come_out_every_time)
 {
     SKIP_WHERE_REPEATED();
     char out[2048];
@@ -241,49 +235,27 @@ static void the_same_bytes_come_out_every_time(void **state)
                      0);
 }
 
-static void what_makes_no_body_is_refused(void **state)
+TEST(what_makes_no_body_is_refused)
 {
-    const struct {
-        const char *arguments;
-        int status;
-        const char *says;
-    } cases[] = {
-        {"liver --tetrahedra --out x.obj", 2, "would hold no tetrahedra"},
-        {"plane --tetrahedra", 2, "--tetrahedra means nothing for a plane"},
-        {"cylinder --tetrahedra --rows 5", 2, "--rows means nothing for a cylinder of tetrahedra"},
-        {"cylinder --points 500", 2, "--points means nothing for a cylinder"},
-        {"block --inner-mm 1,1,1", 2, "--inner-mm means nothing for a block"},
-        {"block --base-mm 1", 2, "--base-mm means nothing for a block"},
-        {"ventricle --inner-mm 14,20,34", 2, "too close to --size-mm"},
-        {"ventricle --base-mm 17", 2, "--base-mm: 17"},
-        {"block --size-mm 1,2,x", 2, "--size-mm: '1,2,x'"},
-        {"kidney --size-mm 1,2,3", 2, "--size-mm means nothing for a kidney"},
-        {"kidney --tetrahedra --points 2000000", 2, "at most 300000"},
-        {"kidney --points 2000000", 2, "at most 200000"},
+    static const tool_row rows[] = {
+        {"generate liver --tetrahedra --out x.obj", 2, "would hold no tetrahedra"},
+        {"generate plane --tetrahedra", 2, "--tetrahedra means nothing for a plane"},
+        {"generate cylinder --tetrahedra --rows 5", 2,
+         "--rows means nothing for a cylinder of tetrahedra"},
+        {"generate cylinder --points 500", 2, "--points means nothing for a cylinder"},
+        {"generate block --inner-mm 1,1,1", 2, "--inner-mm means nothing for a block"},
+        {"generate block --base-mm 1", 2, "--base-mm means nothing for a block"},
+        {"generate ventricle --inner-mm 14,20,34", 2, "too close to --size-mm"},
+        {"generate ventricle --base-mm 17", 2, "--base-mm: 17"},
+        {"generate block --size-mm 1,2,x", 2, "--size-mm: '1,2,x'"},
+        {"generate kidney --size-mm 1,2,3", 2, "--size-mm means nothing for a kidney"},
+        {"generate kidney --tetrahedra --points 2000000", 2, "at most 300000"},
+        {"generate kidney --points 2000000", 2, "at most 200000"},
     };
-    for (int32_t i = 0; i < COUNT(cases); ++i) {
-        char command[512];
-        char out[4096];
-        (void)snprintf(command, sizeof command, TOOL "generate %s", cases[i].arguments);
-        const int status = run(command, out, sizeof out);
-        if (status != cases[i].status || strstr(out, cases[i].says) == NULL) {
-            fail_msg("%s: %d: %s", cases[i].arguments, status, out);
-        }
-    }
+    expect_answers(rows, COUNT(rows));
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(
-            bodies_have_their_volume_and_good_tetrahedra_and_about_the_points_asked_for),
-        cmocka_unit_test(a_liver_of_tetrahedra_is_as_large_as_the_published_one),
-        cmocka_unit_test(finer_meshes_are_nearer_to_the_volume),
-        cmocka_unit_test(groups_are_where_they_say),
-        cmocka_unit_test(surfaces_of_bodies_keep_their_groups_and_have_no_inner_nodes),
-        cmocka_unit_test(the_surface_of_a_box_needs_no_inside),
-        cmocka_unit_test(the_same_bytes_come_out_every_time),
-        cmocka_unit_test(what_makes_no_body_is_refused),
-    };
-    return cmocka_run_group_tests_name("softsim.mesh_generate", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -5,12 +5,7 @@
  * speeds and depths that they are named for, forces are compared as said, and a rate compared with
  * itself differs in nothing.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -55,7 +50,7 @@ static ss_scene *load_plane(void)
     return load(in_folder("plane.yaml"));
 }
 
-static void a_sheet_is_pressed_in_its_middle(void **state)
+TEST(a_sheet_is_pressed_in_its_middle)
 {
     ss_scene *scene = load_plane();
     ss_felt_place place;
@@ -78,7 +73,7 @@ static void a_sheet_is_pressed_in_its_middle(void **state)
     ss_scene_destroy(&scene);
 }
 
-static void bundled_bodies_are_pressed_from_outside(void **state)
+TEST(bundled_bodies_are_pressed_from_outside)
 {
     static const char *const name[] = {"kidney", "liver", "ventricle"};
     for (size_t k = 0; k < sizeof name / sizeof *name; ++k) {
@@ -114,7 +109,7 @@ static void depth_at(const ss_felt_place *place, ss_felt_path path, double t, do
     *out_along = ss_dot3(d, place->along);
 }
 
-static void paths_have_the_speeds_of_their_names(void **state)
+TEST(paths_have_the_speeds_of_their_names)
 {
     const ss_felt_place place = {.normal = {0.0, 0.0, 1.0},
                                  .along = {1.0, 0.0, 0.0},
@@ -162,7 +157,7 @@ static void paths_have_the_speeds_of_their_names(void **state)
     }
 }
 
-static void a_force_that_is_a_tenth_more_is_a_tenth_off(void **state)
+TEST(a_force_that_is_a_tenth_more_is_a_tenth_off)
 {
     enum { N = 1000 };
     static double reference_n[N][3], more_n[N][3];
@@ -198,7 +193,7 @@ static int run(const char *arguments)
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-static void a_rate_compared_with_itself_differs_in_nothing(void **state)
+TEST(a_rate_compared_with_itself_differs_in_nothing)
 {
     SKIP_WHERE_REPEATED();
     char arguments[4096], line[1024];
@@ -260,9 +255,8 @@ static ss_felt_errors compare_rates(const char *name, ss_felt_path path, double 
 
 /* Contact stiffness is the scene's: 60 Hz gave a third of the force at 1000 Hz; so is the time in
  * which a chain's cells answer: it gave 7 % more. */
-static void a_held_press_is_the_same_at_every_rate(void **state)
+TEST(a_held_press_is_the_same_at_every_rate)
 {
-    (void)state;
     static const struct {
         const char *name;
         double rate_hz, most;
@@ -277,9 +271,8 @@ static void a_held_press_is_the_same_at_every_rate(void **state)
 
 /* Between the results of a slow simulation the hand feels what a fast one would answer, within
  * what is just noticeable. */
-static void a_motion_is_felt_alike_at_60_hz(void **state)
+TEST(a_motion_is_felt_alike_at_60_hz)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const struct {
         const char *name;
@@ -298,7 +291,7 @@ static void a_motion_is_felt_alike_at_60_hz(void **state)
 }
 
 /* What real time plans is what softsim-run, lockstep and reports have. */
-static void what_is_planned_does_not_depend_on_a_clock(void **state)
+TEST(what_is_planned_does_not_depend_on_a_clock)
 {
     static const char *const mode[] = {"", "--lockstep"};
     static char plan[2][16384];
@@ -317,7 +310,7 @@ static void what_is_planned_does_not_depend_on_a_clock(void **state)
     assert_string_equal(plan[0], plan[1]);
 }
 
-static void wrong_arguments_are_named(void **state)
+TEST(wrong_arguments_are_named)
 {
     static const char *const wrong[] = {"--scene a/b.yaml --scene b.yaml",
                                         "--rates 5",
@@ -342,16 +335,5 @@ static void wrong_arguments_are_named(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sheet_is_pressed_in_its_middle),
-        cmocka_unit_test(bundled_bodies_are_pressed_from_outside),
-        cmocka_unit_test(paths_have_the_speeds_of_their_names),
-        cmocka_unit_test(a_force_that_is_a_tenth_more_is_a_tenth_off),
-        cmocka_unit_test(a_rate_compared_with_itself_differs_in_nothing),
-        cmocka_unit_test(a_held_press_is_the_same_at_every_rate),
-        cmocka_unit_test(a_motion_is_felt_alike_at_60_hz),
-        cmocka_unit_test(what_is_planned_does_not_depend_on_a_clock),
-        cmocka_unit_test(wrong_arguments_are_named),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -4,12 +4,7 @@
  * softsim-bench felt --slide: ways keep their depth over plane and bent bodies, waves and steps
  * that are put into a force are found with their size, and the kidney is smooth and forgets.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -52,9 +47,8 @@ static ss_scene *load_grid(const char *grid, const char *fixed_m)
     return load(in_folder("grid.yaml"));
 }
 
-static void a_way_over_a_plane_is_straight_and_level(void **state)
+TEST(a_way_over_a_plane_is_straight_and_level)
 {
-    (void)state;
     ss_scene *scene = load_grid("plane: {rows: 20, columns: 40, width_m: 0.2, height_m: 0.1}",
                                 "{box_m: [[-1, -1, -1], [1, -0.049, 1]]}, "
                                 "{box_m: [[-1, 0.049, -1], [1, 1, 1]]}");
@@ -79,9 +73,8 @@ static void a_way_over_a_plane_is_straight_and_level(void **state)
 }
 
 /* The chords of a tube's triangles lie inside it by up to r (1 - cos(pi / 48)) = 0.21 mm. */
-static void a_way_round_a_tube_is_round(void **state)
+TEST(a_way_round_a_tube_is_round)
 {
-    (void)state;
     ss_scene *scene = load_grid("cylinder: {rows: 31, columns: 48, radius_m: 0.1, length_m: 0.4}",
                                 "{box_m: [[-1, -1, -1], [-0.05, 1, 1]]}");
     ss_felt_place place;
@@ -136,9 +129,8 @@ static ss_way_figures judge(double wave_n, double wave_m, int axis, double step_
     return figures;
 }
 
-static void a_smooth_force_has_no_ripple(void **state)
+TEST(a_smooth_force_has_no_ripple)
 {
-    (void)state;
     const ss_way_figures f = judge(0.0, 1.0, 2, 0.0, 1.0);
     assert_true(fabs(f.mean_n - 2.15) < 1e-3); /* 1.85 + 0.9 / 3 */
     assert_true(f.ripple < 1e-12 && f.tilt < 1e-12 && f.loop < 1e-12);
@@ -147,9 +139,8 @@ static void a_smooth_force_has_no_ripple(void **state)
     assert_true(f.jump < 1e-5);
 }
 
-static void a_wave_at_the_meshs_scale_is_found_with_its_amplitude(void **state)
+TEST(a_wave_at_the_meshs_scale_is_found_with_its_amplitude)
 {
-    (void)state;
     const ss_way_figures along = judge(0.0645, edge_m, 2, 0.0, 1.0);
     assert_true(fabs(along.ripple - 0.03) < 0.0015); /* 0.0645 / 2.15 */
     assert_true(along.tilt < 1e-12);
@@ -161,18 +152,16 @@ static void a_wave_at_the_meshs_scale_is_found_with_its_amplitude(void **state)
     assert_true(slow.ripple < 3e-4);
 }
 
-static void a_step_is_found_with_its_size(void **state)
+TEST(a_step_is_found_with_its_size)
 {
-    (void)state;
     const ss_way_figures f = judge(0.0, 1.0, 2, 0.043, 1.0);
     const double share = 0.043 / f.mean_n;
     assert_true(fabs(f.jump - share * 10.0 / 11.0) < 1e-4); /* a tenth is its own mean change */
     assert_true(fabs(f.step - share) < 1.0e-3);
 }
 
-static void forward_and_back_are_told_apart(void **state)
+TEST(forward_and_back_are_told_apart)
 {
-    (void)state;
     const ss_way_figures f = judge(0.0, 1.0, 2, 0.0, 1.05);
     /* 5 % of the largest force, 2.75 N, over the mean of both, 2.15 times 1.025. */
     assert_true(fabs(f.loop - 0.05 * 2.75 / (2.15 * 1.025)) < 1e-3);
@@ -180,9 +169,8 @@ static void forward_and_back_are_told_apart(void **state)
 
 /* ---- the kidney ---- */
 
-static void the_kidney_is_smooth_and_forgets(void **state)
+TEST(the_kidney_is_smooth_and_forgets)
 {
-    (void)state;
     SKIP_WHERE_REPEATED();
     static const char path[] = SOURCE_DIR "/server/scenes/kidney.yaml";
     const ss_felt_run run = {.rate_hz = 1000.0, .import_program = BIN_DIR "/softsim-import"};
@@ -216,9 +204,8 @@ static void the_kidney_is_smooth_and_forgets(void **state)
     ss_scene_destroy(&scene);
 }
 
-static void wrong_speeds_are_named(void **state)
+TEST(wrong_speeds_are_named)
 {
-    (void)state;
     static const char *const wrong[] = {"0", "50,", "x", "501"};
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; ++k) {
         char command[8192], text[512] = "";
@@ -236,15 +223,5 @@ static void wrong_speeds_are_named(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_way_over_a_plane_is_straight_and_level),
-        cmocka_unit_test(a_way_round_a_tube_is_round),
-        cmocka_unit_test(a_smooth_force_has_no_ripple),
-        cmocka_unit_test(a_wave_at_the_meshs_scale_is_found_with_its_amplitude),
-        cmocka_unit_test(a_step_is_found_with_its_size),
-        cmocka_unit_test(forward_and_back_are_told_apart),
-        cmocka_unit_test(the_kidney_is_smooth_and_forgets),
-        cmocka_unit_test(wrong_speeds_are_named),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -235,9 +235,9 @@ TEST(repair_tells_each_change_and_what_comes_out_is_good)
             fail_msg("no '%s' in %s", changes[i], out);
         }
     }
-    assert_int_equal(run(TOOL "check mended.msh", out, sizeof out), 0);
+    run_tool("check mended.msh");
     /* Without --repair the mesh goes as it is. */
-    assert_int_equal(run(TOOL "convert broken.msh same.msh", out, sizeof out), 0);
+    run_tool("convert broken.msh same.msh");
     assert_int_equal(run(TOOL "check same.msh", out, sizeof out), 2);
 }
 
@@ -285,13 +285,8 @@ TEST(help_names_the_groups_of_each_shape)
 
 TEST(the_input_is_replaced_only_when_asked)
 {
-    char out[4096];
     write_text("mine.obj", CUBE_V CUBE_F);
-    const struct {
-        const char *arguments;
-        int status;
-        const char *says;
-    } cases[] = {
+    static const tool_row rows[] = {
         {"convert mine.obj mine.obj", 2, "'mine.obj' is the input"},
         {"convert mine.obj ./mine.obj", 2, "is the input"},
         {"convert mine.obj mine.obj --overwrite", 0, "mine.obj: 8 nodes"},
@@ -301,14 +296,7 @@ TEST(the_input_is_replaced_only_when_asked)
         {"convert mine.obj", 2, "usage"},
         {"convert none.obj x.msh", 2, "none.obj: cannot read it"},
     };
-    for (int32_t i = 0; i < COUNT(cases); ++i) {
-        char command[256];
-        (void)snprintf(command, sizeof command, TOOL "%s", cases[i].arguments);
-        const int status = run(command, out, sizeof out);
-        if (status != cases[i].status || strstr(out, cases[i].says) == NULL) {
-            fail_msg("%s: %d: %s", cases[i].arguments, status, out);
-        }
-    }
+    expect_answers(rows, COUNT(rows));
     ss_mesh *m = load(in_folder("mine.obj"), 1.0);
     assert_int_equal(m->triangle_count, 12);
     ss_mesh_destroy(&m);
@@ -341,8 +329,7 @@ TEST(tetgen_that_is_missing_or_fails_is_one_error)
         {"exit 0", "good.obj t.msh --edge 1 --edge-mm 1", 2, "give one of"},
         {"exit 0", "b.msh t.msh --edge 1", 2, "it has tetrahedra already"},
     };
-    assert_int_equal(
-        run(TOOL "generate block --tetrahedra --points 100 --out b.msh", out, sizeof out), 0);
+    run_tool("generate block --tetrahedra --points 100 --out b.msh");
     for (int32_t i = 0; i < COUNT(cases); ++i) {
         char command[512];
         assert_int_equal(run("rm -rf bin && mkdir bin", out, sizeof out), 0);
@@ -372,15 +359,8 @@ TEST(a_kidney_is_filled_and_its_surface_keeps_its_numbers)
         skip();
     }
     const char *kidney = SOURCE_DIR "/server/scenes/kidney.obj";
-    char command[512];
-    (void)snprintf(command, sizeof command, TOOL "tetrahedralize %s k.msh --edge-mm 6 --units mm",
-                   kidney);
-    if (run(command, out, sizeof out) != 0) {
-        fail_msg("%s", out);
-    }
-    if (run(TOOL "check k.msh --units mm", out, sizeof out) != 0) {
-        fail_msg("%s", out);
-    }
+    run_tool("tetrahedralize %s k.msh --edge-mm 6 --units mm", kidney);
+    run_tool("check k.msh --units mm");
     ss_mesh *volume = load(in_folder("k.msh"), 1.0);
     ss_mesh *surface = NULL;
     assert_int_equal(ss_mesh_load(kidney, 1.0, BIN_DIR "/softsim-import", &surface, NULL),
@@ -410,9 +390,7 @@ TEST(cavities_stay_hollow)
         "f 4 3 1\nf 2 4 1\nf 8 6 5\nf 7 8 5\nf 6 2 1\nf 5 6 1\nf 8 7 3\nf 4 8 3\nf 7 5 1\n"
         "f 3 7 1\nf 8 4 2\nf 6 8 2\nf 9 11 12\nf 9 12 10\nf 13 14 16\nf 13 16 15\nf 9 10 14\n"
         "f 9 14 13\nf 11 15 16\nf 11 16 12\nf 9 13 15\nf 9 15 11\nf 10 12 16\nf 10 16 14\n");
-    if (run(TOOL "tetrahedralize hollow.obj h.msh --edge 1", out, sizeof out) != 0) {
-        fail_msg("%s", out);
-    }
+    run_tool("tetrahedralize hollow.obj h.msh --edge 1");
     ss_mesh *m = load(in_folder("h.msh"), 1.0);
     ss_mesh_report r;
     assert_int_equal(ss_mesh_check(m, &r), SOFTSIM_OK);

@@ -7,12 +7,7 @@
  * them, is the model's reaction; the force that is sent is too; and under a hand that stands still
  * the tissue comes to rest: the pair of proxy and tissue does not swing.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/effort.h"
 #include "press_fixture.h"
@@ -155,9 +150,8 @@ static bool is_place_good(const place *p)
     return is_good;
 }
 
-static void the_whole_reaction_is_felt(void **state)
+TEST(the_whole_reaction_is_felt)
 {
-    (void)state;
     bool is_good = true;
     for (int k = 0; k < FULL_IN_RELEASE(PLACES, 1); ++k) {
         is_good = is_place_good(&places[k]) && is_good;
@@ -167,8 +161,5 @@ static void the_whole_reaction_is_felt(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_whole_reaction_is_felt),
-    };
-    return cmocka_run_group_tests_name("felt", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

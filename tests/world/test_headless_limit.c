@@ -6,12 +6,7 @@
  * the simulated hands of the bridge pressing into the same bodies, in closed loop, also while the
  * limit is raised.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 #include <math.h>
 #include <string.h>
 
@@ -102,7 +97,7 @@ static bool is_press_good(const body *b, double limit, const limit_tick *open)
     return is_good;
 }
 
-static void a_slow_press_stays_at_the_limit(void **state)
+TEST(a_slow_press_stays_at_the_limit)
 {
     static limit_tick open[PRESS_TICKS];
     bool is_good = true;
@@ -137,7 +132,7 @@ static void set_limit(softsim_world *world, double limit)
 
 /* Pressed 20 mm deep: a lowered limit is reached by the slew, a raised one within .3 s; the tissue
  * is never pressed much harder than by the greater of the two. */
-static void a_changed_limit_flings_nothing(void **state)
+TEST(a_changed_limit_flings_nothing)
 {
     SKIP_WHERE_REPEATED();
     static const double limit[4] = {2.0, 0.5, 4.0, 1.0};
@@ -174,7 +169,7 @@ static void a_changed_limit_flings_nothing(void **state)
 
 /* Pressed 16 mm, held, the limit lowered to .5 N and raised again: the force comes back to what it
  * was, the proxy to where it was. */
-static void a_limit_that_came_and_went_leaves_nothing(void **state)
+TEST(a_limit_that_came_and_went_leaves_nothing)
 {
     SKIP_WHERE_REPEATED();
     const body *b = &bodies[2];
@@ -205,7 +200,7 @@ static void a_limit_that_came_and_went_leaves_nothing(void **state)
 
 /* Raised from .3 N to more than the tissue answers with at all: the force grows to what it answers
  * where the hand is, and no further than that by 5 %. */
-static void a_limit_raised_out_of_reach_does_not_overshoot(void **state)
+TEST(a_limit_raised_out_of_reach_does_not_overshoot)
 {
     static const char *const names[] = {"mass-spring", "kidney"};
     write_block_mesh();
@@ -250,7 +245,7 @@ static void command(softsim_world *world, const char *name)
 
 /* Pressed, and paused, resumed and reset at any moment: a ramp takes a twentieth of the force a
  * tick, and nothing makes it grow by more than a few hundredths of a newton. */
-static void pauses_and_resets_do_not_step(void **state)
+TEST(pauses_and_resets_do_not_step)
 {
     SKIP_WHERE_REPEATED();
     const body *b = &bodies[0];
@@ -335,7 +330,7 @@ static bool is_drawn_still(const body *b, double limit)
     return is_good;
 }
 
-static void a_grasp_drawn_at_the_limit_flings_nothing(void **state)
+TEST(a_grasp_drawn_at_the_limit_flings_nothing)
 {
     SKIP_WHERE_REPEATED();
     static const struct {
@@ -420,7 +415,7 @@ static void judge_hand(const body *b, double limit, int hand, ss_felt *out)
 /* A hand that presses against .3 N, when the limit is raised out of reach: it feels no more than
  * the same hand with that limit from the beginning, which has come as deep at speed, and in the end
  * the same. */
-static void a_hand_feels_a_raised_limit_without_overshoot(void **state)
+TEST(a_hand_feels_a_raised_limit_without_overshoot)
 {
     SKIP_WHERE_REPEATED();
     enum { RAISE = 950, END = 1390 };
@@ -442,7 +437,7 @@ static void a_hand_feels_a_raised_limit_without_overshoot(void **state)
     }
 }
 
-static void hands_press_without_a_motor(void **state)
+TEST(hands_press_without_a_motor)
 {
     static const char *const names[3] = {"light/soft", "medium/medium", "heavy/firm"};
     bool is_good = true;
@@ -476,15 +471,5 @@ static void hands_press_without_a_motor(void **state)
 int main(int argc, char **argv)
 {
     is_all = argc > 1 && strcmp(argv[1], "all") == 0;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_slow_press_stays_at_the_limit),
-        cmocka_unit_test(a_changed_limit_flings_nothing),
-        cmocka_unit_test(a_limit_that_came_and_went_leaves_nothing),
-        cmocka_unit_test(a_limit_raised_out_of_reach_does_not_overshoot),
-        cmocka_unit_test(pauses_and_resets_do_not_step),
-        cmocka_unit_test(a_grasp_drawn_at_the_limit_flings_nothing),
-        cmocka_unit_test(hands_press_without_a_motor),
-        cmocka_unit_test(a_hand_feels_a_raised_limit_without_overshoot),
-    };
-    return cmocka_run_group_tests_name("limit", tests, make_folder, remove_folder);
+    return run_all_tests(make_folder, remove_folder);
 }

@@ -2,11 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* models/turned: every tetrahedron is looked at in time, what is inside out is said for as long as
  * it lasts, and every model that can leave one so says it. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "common/test.h"
 
 #include "common/chain_fixture.h"
 #include "models/common/inverted.h"
@@ -26,7 +22,7 @@ static void take_through(const ss_mesh *mesh, int32_t node, double way, ss_real 
     }
 }
 
-static void a_tetrahedron_is_found_within_its_round(void **state)
+TEST(a_tetrahedron_is_found_within_its_round)
 {
     static const double period[3] = {1e-3, 1e-2, 1.0};
     ss_mesh *mesh = make_box(8, 8, 8, 0.01);
@@ -67,7 +63,7 @@ static void a_tetrahedron_is_found_within_its_round(void **state)
 }
 
 /* One tetrahedron comes back, another stays: it is said without a gap. */
-static void one_after_the_other_is_said_without_a_gap(void **state)
+TEST(one_after_the_other_is_said_without_a_gap)
 {
     ss_mesh *mesh = make_box(8, 8, 8, 0.01);
     ss_real *u = ss_memory_get(4 * (size_t)mesh->node_count, sizeof *u);
@@ -89,7 +85,7 @@ static void one_after_the_other_is_said_without_a_gap(void **state)
 }
 
 /* What was inside out leaves no trace in the order of the looks, which the hash leaves out. */
-static void steps_alone_say_which_is_next(void **state)
+TEST(steps_alone_say_which_is_next)
 {
     ss_mesh *mesh = make_box(4, 4, 4, 0.01);
     ss_real *u = ss_memory_get(4 * (size_t)mesh->node_count, sizeof *u);
@@ -144,7 +140,7 @@ static const kind kinds[] = {
 };
 
 /* A corner of a block is taken through the node across its cell, and back. */
-static void every_model_says_it_while_it_lasts(void **state)
+TEST(every_model_says_it_while_it_lasts)
 {
     for (size_t m = 0; m < sizeof kinds / sizeof *kinds; ++m) {
         int32_t node[1] = {0};
@@ -186,9 +182,5 @@ static void every_model_says_it_while_it_lasts(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_tetrahedron_is_found_within_its_round),
-                                       cmocka_unit_test(one_after_the_other_is_said_without_a_gap),
-                                       cmocka_unit_test(steps_alone_say_which_is_next),
-                                       cmocka_unit_test(every_model_says_it_while_it_lasts)};
-    return cmocka_run_group_tests_name("turned", tests, NULL, NULL);
+    return run_all_tests(NULL, NULL);
 }
