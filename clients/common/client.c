@@ -35,7 +35,6 @@ enum {
     /* Of one sender; a server sends 20 at most, however often it is asked. Beyond it is muted, so
      * that the server that was heard first is heard on. */
     STATUSES_PER_S = 200,
-    STATUS_BURST = 256,
     NAME_SIZE = 32, /* of a command, as the server takes it */
     ARGUMENT_SIZE = 1024
 };
@@ -235,7 +234,6 @@ static const ss_lane status_lane = {.suffix = {"_STATUS"},
                                     .per_ms = OTHER_WORK_PER_MS,
                                     .burst = OTHER_WORK_BURST,
                                     .sender_per_s = STATUSES_PER_S,
-                                    .sender_burst = STATUS_BURST,
                                     .receive = receive_status};
 static const ss_lane reply_lane = {.suffix = {"_REPLY"},
                                    .max_size = MAX_MESSAGE,

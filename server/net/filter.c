@@ -8,10 +8,10 @@
  *           alone does not do: the kernel does send TTL 0 out of a host on which nobody has joined
  *           the group, and a neighbour can write any TTL into a packet of its own, but only the
  *           receiving kernel gives the packet type.
- *   heard   the sender is not muted
  *   whole   LCM's magic of an unfragmented message, "LC02" (fragments begin with "LC03")
  *   channel exactly one of the names, with its NUL
  *   part    the message has it, or has it not: a message too short for it has it not
+ *   heard   the sender is not muted: the longest question, so that it comes last
  * Layout, from the UDP header on: 8 bytes UDP; 4 magic; 4 sequence number; channel; NUL; message.
  * A load beyond the end of a datagram drops it.
  */
@@ -30,7 +30,8 @@ enum {
     IP_SOURCE_AT = 12,
     PORT_AT = 0,
     OPEN = 255,
-    /* A name of 63 bytes takes 39, a part 20 at most. */
+    /* A name of 63 bytes takes 39, a part 20 at most; a muted sender 5 where it is the only one of
+     * its address. */
     MAX_CODE = 24 + SS_FILTER_MAX_NAMES * 64 + SS_FILTER_MAX_MUTED * 5
 };
 static const uint32_t WHOLE_MESSAGE = 0x4c433032; /* "LC02" */
@@ -81,17 +82,6 @@ static void demand_local(program *p)
     compare(p, BPF_JEQ, ARPHRD_LOOPBACK, 0, OPEN);
 }
 
-static void refuse_sender(program *p, uint64_t source)
-{
-    const uint16_t first = p->count;
-    load(p, BPF_H, PORT_AT);
-    compare(p, BPF_JEQ, (uint32_t)(source & 0xffff), 0, OPEN);
-    load(p, BPF_W, (uint32_t)(SKF_NET_OFF + IP_SOURCE_AT));
-    compare(p, BPF_JEQ, (uint32_t)(source >> 16), 0, OPEN);
-    finish(p, 0);
-    land(p, first);
-}
-
 static uint32_t read_word(const unsigned char *byte)
 {
     return (uint32_t)byte[0] << 24 | (uint32_t)byte[1] << 16 | (uint32_t)byte[2] << 8 | byte[3];
@@ -124,13 +114,18 @@ static void demand_name(program *p, const char *name)
     }
 }
 
-/* Behind a channel that fits: lets the message in when it has the part, or has it not. */
-static void judge_part(program *p, const ss_filter_part *part, uint32_t message_at,
-                       uint32_t bytes_kept)
+/* The message is one of ours: on to the senders, from wherever this is. */
+static void go_to_senders(program *p)
+{
+    p->code[p->count++] = (struct sock_filter)BPF_STMT(BPF_JMP | BPF_JA, 0);
+}
+
+/* Behind a channel that fits: goes on when the message has the part, or has it not. */
+static void judge_part(program *p, const ss_filter_part *part, uint32_t message_at)
 {
     if (!part->is_unwanted) {
         demand_bytes(p, message_at + part->at, part->bytes, part->size);
-        finish(p, bytes_kept);
+        go_to_senders(p);
         return;
     }
     const uint16_t first = p->count;
@@ -139,15 +134,45 @@ static void judge_part(program *p, const ss_filter_part *part, uint32_t message_
     demand_bytes(p, message_at + part->at, part->bytes, part->size);
     finish(p, 0);
     land(p, first);
-    finish(p, bytes_kept);
+    go_to_senders(p);
+}
+
+/* The first `count` are of one address, which is asked for once. */
+static void refuse_senders_of(program *p, const uint64_t *muted, int32_t count)
+{
+    const uint16_t first = p->count;
+    load(p, BPF_W, (uint32_t)(SKF_NET_OFF + IP_SOURCE_AT));
+    compare(p, BPF_JEQ, (uint32_t)(muted[0] >> 16), 0, OPEN);
+    load(p, BPF_H, PORT_AT);
+    for (int32_t i = 0; i < count; ++i) {
+        const int32_t to_end = count - 1 - i;
+        compare(p, BPF_JEQ, (uint32_t)(muted[i] & 0xffff), (uint8_t)to_end, to_end == 0);
+    }
+    finish(p, 0);
+    land(p, first);
+}
+
+static void judge_sender(program *p, const ss_filter *filter)
+{
+    for (uint16_t i = 0; i < p->count; ++i) {
+        if (p->code[i].code == (BPF_JMP | BPF_JA)) {
+            p->code[i].k = (uint32_t)(p->count - i - 1);
+        }
+    }
+    for (int32_t i = 0, count = 0; i < filter->muted_count; i += count) {
+        const uint64_t *muted = filter->muted + i;
+        count = 1;
+        while (i + count < filter->muted_count && muted[count] >> 16 == muted[0] >> 16) {
+            ++count;
+        }
+        refuse_senders_of(p, muted, count);
+    }
+    finish(p, filter->bytes_kept);
 }
 
 bool ss_filter_attach(const ss_filter *filter, int fd)
 {
     program p = {.count = 0};
-    for (int32_t i = 0; i < filter->muted_count; ++i) {
-        refuse_sender(&p, filter->muted[i]);
-    }
     if (filter->is_local) {
         demand_local(&p);
     }
@@ -159,10 +184,11 @@ bool ss_filter_attach(const ss_filter *filter, int fd)
         const uint16_t first = p.count;
         const uint32_t message_at = CHANNEL_AT + (uint32_t)strlen(filter->names[i]) + 1;
         demand_name(&p, filter->names[i]);
-        judge_part(&p, &filter->part, message_at, filter->bytes_kept);
+        judge_part(&p, &filter->part, message_at);
         land(&p, first);
     }
     finish(&p, 0);
+    judge_sender(&p, filter);
     const struct sock_fprog attached = {.len = p.count, .filter = p.code};
     return setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &attached, sizeof attached) == 0;
 }

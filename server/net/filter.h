@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { SS_FILTER_MAX_NAMES = 4, SS_FILTER_MAX_PART = 16, SS_FILTER_MAX_MUTED = 16 };
+enum { SS_FILTER_MAX_NAMES = 4, SS_FILTER_MAX_PART = 16, SS_FILTER_MAX_MUTED = 192 };
 
 /* What a message of one lane has at a place and that of another has not. */
 typedef struct ss_filter_part {
@@ -20,7 +20,7 @@ typedef struct ss_filter_part {
 
 typedef struct ss_filter {
     bool is_local; /* only what never left this host */
-    /* IPv4 address << 16 | port: nothing of theirs. At most SS_FILTER_MAX_MUTED. */
+    /* IPv4 address << 16 | port, ascending: nothing of theirs. At most SS_FILTER_MAX_MUTED. */
     uint64_t muted[SS_FILTER_MAX_MUTED];
     int32_t muted_count;
     /* Channels; '#' stands for one digit 0 to 7. At most SS_FILTER_MAX_NAMES, each shorter than 64

@@ -5,9 +5,9 @@
  *
  * Poses, commands, requests for a status and statuses come in lanes of their own, so that a flood
  * of one starves no other; everything is drained at each wake, as far as the budgets go: together
- * they hold the net thread under a fifth of a core. Each sender of commands and of requests has
- * another budget, since a reply and a status cost what fifty poses do, and so that none takes
- * another's (senders.h); who is far beyond it is not heard at all for a while (receiver.c).
+ * they hold the net thread under a fifth of a core. Those who send commands or requests have fair
+ * shares of another budget, since a reply and a status cost what fifty poses do (senders.h); who
+ * sends far more than its share is not heard at all for a while (receiver.c).
  * Messages are encoded into one fixed buffer (the generated publish functions allocate). Nothing
  * here is called by the real-time loops: lcm_publish locks.
  */
@@ -22,7 +22,6 @@
 #include "net/status_wire.h"
 #include "net/view_wire.h"
 #include "net/wire.h"
-#include "rt/budget.h"
 #include "rt/clock.h"
 #include "rt/memory.h"
 #include "rt/plain.h"
@@ -44,12 +43,13 @@ enum {
     REQUEST_WORK_PER_MS = 4,
     STATUS_WORK_PER_MS = 8, /* ours too */
     OTHER_WORK_BURST = 256,
-    /* Of one sender: SS_SENDERS of them, and the rest together as one more. */
+    /* Of one sender, and of all together. */
     COMMANDS_PER_S = 100,
+    ALL_COMMANDS_PER_S =
+        900,             /* the rings to the loops take a second's and a burst (world/plan.c) */
     REQUESTS_PER_S = 20, /* two servers that start ask for as many */
-    COMMAND_BURST = 50,
-    MUTED_PER_S = 200, /* beyond, a sender is muted; no honest one can be made to say as much */
-    MUTED_BURST = 256,
+    ALL_REQUESTS_PER_S = 180,
+    MUTED_PER_S = 200,    /* beyond, a sender is muted; no honest one can be made to say as much */
     COMMAND_NAME_AT = 32, /* byte of a message: its length, then its characters and a NUL */
     STATUS_MEMORY = 1024, /* of our own; more than can wait in the queues at once */
     REPLY_TEXT_SIZE = 8192,
@@ -194,17 +194,15 @@ static void receive_pose(void *context, const ss_packet *packet)
 static void run_command(ss_net *net, const ss_packet *packet, ss_senders *senders)
 {
     ss_net_command command;
-    const int64_t now_ns = ss_clock_now_ns();
-    ss_budget *budget = ss_senders_find(senders, packet->source, now_ns);
     softsim_refusal refusal = ss_net_decode_command(packet->data, packet->size, &command);
-    if (refusal == SOFTSIM_ACCEPTED && ss_budget_left(budget, now_ns) < 1) {
+    if (refusal == SOFTSIM_ACCEPTED &&
+        ss_senders_hear(senders, packet->source, ss_clock_now_ns()) != SS_SENDERS_HEARD) {
         refusal = SOFTSIM_REFUSED_OTHER; /* too many to answer */
     }
     if (refusal != SOFTSIM_ACCEPTED) {
         net->calls.handle_refusal(net->calls.context, refusal, -1);
         return;
     }
-    ss_budget_spend(budget, 1);
     if (command.sender == net->sender) {
         return;
     }
@@ -261,7 +259,6 @@ static const ss_lane lanes[] = {
      .per_ms = COMMAND_WORK_PER_MS,
      .burst = OTHER_WORK_BURST,
      .sender_per_s = MUTED_PER_S,
-     .sender_burst = MUTED_BURST,
      .receive = receive_command},
     {.suffix = {"_COMMAND"},
      .part = {.at = COMMAND_NAME_AT, .bytes = request_name, .size = sizeof request_name},
@@ -270,7 +267,6 @@ static const ss_lane lanes[] = {
      .per_ms = REQUEST_WORK_PER_MS,
      .burst = OTHER_WORK_BURST,
      .sender_per_s = MUTED_PER_S,
-     .sender_burst = MUTED_BURST,
      .receive = receive_request},
     {.suffix = {"_STATUS"},
      .max_size = MAX_MESSAGE,
@@ -278,7 +274,6 @@ static const ss_lane lanes[] = {
      .per_ms = STATUS_WORK_PER_MS,
      .burst = OTHER_WORK_BURST,
      .sender_per_s = MUTED_PER_S,
-     .sender_burst = MUTED_BURST,
      .receive = receive_status}};
 
 bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms)
@@ -345,8 +340,8 @@ softsim_status ss_net_open(const ss_net_config *config, const ss_net_calls *call
     net->calls = *calls;
     net->is_lockstep = config->is_lockstep;
     net->sender = ss_wire_draw_sender();
-    net->commands = ss_senders_make(COMMANDS_PER_S, COMMAND_BURST);
-    net->requests = ss_senders_make(REQUESTS_PER_S, COMMAND_BURST);
+    net->commands = ss_senders_make(COMMANDS_PER_S, ALL_COMMANDS_PER_S);
+    net->requests = ss_senders_make(REQUESTS_PER_S, ALL_REQUESTS_PER_S);
     compute_hashes();
     name_channels(net, config->prefix);
     net->lcm = ss_wire_open(config->lcm_url, error);

@@ -24,9 +24,10 @@
  *
  * A budget keeps our threads, not the others who send: their messages find the buffer full. So
  * where a lane says how much one sender may send, who sends more is muted: the filter drops what
- * comes from its address and port, for a second. It then starts with little: who goes on is muted
- * again before it has filled the buffer, and who has become slow is heard. A lane's limit is one
- * that nobody can make an honest sender break, and the sender that a lane follows is never muted.
+ * comes from its address and port, for a second. It then starts with nothing: who goes on is muted
+ * again at once, for longer, and who has become slow is heard. All together may send
+ * half of what the lane can read, in fair shares (senders.h), so that many who each send little are
+ * muted too before they fill the buffer. The sender that a lane follows is never muted.
  *
  * Alternatives rejected: a socket for each sender, which nobody knows before it has spoken; reading
  * all there is and dropping it here, which a flood of one core pays with another; LCM with `bind`
@@ -65,18 +66,22 @@ enum {
     STOCK_BUFFER = 212992, /* bytes, the kernel's default limit; some hundred small messages */
     READ_COST = 4,
     BYTES_COST = 1024,
-    UNMUTE_BURST = 4, /* messages at once, of who is heard again */
+    MUTINGS_PER_S = 50, /* new filters: one takes 30 to 60 us, 0.5 ms with many hosts in it */
+    MUTINGS_BURST = 4,
     TEST_TRIES = 100
 };
 static const int64_t NS_PER_MS = 1000000;
 static const int64_t NS_PER_S = 1000000000;
 static const int64_t TEST_WAIT_NS = 100000000; /* ten seconds in all, as LCM's own */
-static const int64_t MUTE_NS = 1000000000;
+/* Whoever goes on is muted for twice as long each time, and is let in alone: the buffer holds what
+ * is read in 0.15 s, so that many who are let in every second, or together, would keep it full. */
+static const int64_t MUTE_NS = 1000000000, MAX_MUTE_NS = 8000000000;
 static const char TEST_CHANNEL[] = "LCM_SELF_TEST"; /* LCM's, so that spies know it */
 
 typedef struct muted_sender {
     uint64_t source;
-    int64_t until_ns;
+    int64_t until_ns, pause_ns;
+    bool is_muted; /* until then at least */
 } muted_sender;
 
 typedef struct lane_state {
@@ -84,12 +89,14 @@ typedef struct lane_state {
     ss_receiver *receiver;
     int fd; /* -1 in memq:// */
     ss_budget budget;
+    bool is_spent; /* until there is enough for a batch */
     ss_filter filter;
     char name[SS_FILTER_MAX_NAMES][SS_WIRE_CHANNEL_SIZE];
     const char *names[SS_FILTER_MAX_NAMES];
     ss_senders senders;
     muted_sender muted[SS_FILTER_MAX_MUTED];
-    int64_t unmute_ns; /* the first of them; INT64_MAX: none is */
+    ss_budget mutings;
+    int64_t muting_ns; /* when the filter is to change; INT64_MAX: it is as it should be */
 } lane_state;
 
 struct ss_receiver {
@@ -173,39 +180,85 @@ static uint64_t number_source(const struct sockaddr_in *source)
     return (uint64_t)ntohl(source->sin_addr.s_addr) << 16 | ntohs(source->sin_port);
 }
 
-/* Mutes those whose time is not over. A kernel that refuses a filter leaves the one before. */
-static void mute_senders(lane_state *lane, int64_t now_ns)
+/* Lets in the one whose time was over first. */
+static void unmute_one(lane_state *lane, int64_t now_ns)
 {
-    lane->filter.muted_count = 0;
-    lane->unmute_ns = INT64_MAX;
-    for (int32_t i = 0; i < SS_FILTER_MAX_MUTED; ++i) {
-        const muted_sender *muted = &lane->muted[i];
-        if (muted->until_ns > now_ns) {
-            lane->filter.muted[lane->filter.muted_count++] = muted->source;
-            lane->unmute_ns = muted->until_ns < lane->unmute_ns ? muted->until_ns : lane->unmute_ns;
-        }
-    }
-    (void)ss_filter_attach(&lane->filter, lane->fd);
-}
-
-/* False when it is muted already, and what came was in the buffer before, or too many are. */
-static bool mute(lane_state *lane, uint64_t source, int64_t now_ns)
-{
-    muted_sender *place = NULL;
+    muted_sender *first = NULL;
     for (int32_t i = 0; i < SS_FILTER_MAX_MUTED; ++i) {
         muted_sender *muted = &lane->muted[i];
-        if (muted->until_ns <= now_ns) {
-            place = muted;
-        } else if (muted->source == source) {
-            return false;
+        if (muted->is_muted && muted->until_ns <= now_ns &&
+            (first == NULL || muted->until_ns < first->until_ns)) {
+            first = muted;
         }
     }
-    if (place == NULL) {
-        return false;
+    if (first != NULL) {
+        first->is_muted = false;
     }
-    *place = (muted_sender){.source = source, .until_ns = now_ns + MUTE_NS};
-    mute_senders(lane, now_ns);
-    return true;
+}
+
+/* The filter is given all who are muted, in order. A kernel that refuses it leaves the one before.
+ */
+static void change_filter(lane_state *lane, int64_t now_ns)
+{
+    ss_filter *filter = &lane->filter;
+    filter->muted_count = 0;
+    lane->muting_ns = INT64_MAX;
+    unmute_one(lane, now_ns);
+    for (int32_t i = 0; i < SS_FILTER_MAX_MUTED; ++i) {
+        const muted_sender *muted = &lane->muted[i];
+        if (muted->is_muted) {
+            int32_t place = filter->muted_count++;
+            for (; place > 0 && filter->muted[place - 1] > muted->source; --place) {
+                filter->muted[place] = filter->muted[place - 1];
+            }
+            filter->muted[place] = muted->source;
+            lane->muting_ns = muted->until_ns < lane->muting_ns ? muted->until_ns : lane->muting_ns;
+        }
+    }
+    (void)ss_filter_attach(filter, lane->fd);
+    ss_budget_spend(&lane->mutings, 1);
+}
+
+/* At once, or as soon as there may be another filter. */
+static void mute_when_due(lane_state *lane, int64_t now_ns)
+{
+    if (now_ns >= lane->muting_ns) {
+        if (ss_budget_left(&lane->mutings, now_ns) >= 1) {
+            change_filter(lane, now_ns);
+        } else {
+            lane->muting_ns = ss_budget_when(&lane->mutings, 1);
+        }
+    }
+}
+
+/* From now on for a time. Where it is muted already, what came was in the buffer before; where too
+ * many are, it is not. */
+static void mute(lane_state *lane, uint64_t source, int64_t now_ns)
+{
+    muted_sender *place = NULL;
+    int64_t pause_ns = MUTE_NS;
+    for (int32_t i = 0; i < SS_FILTER_MAX_MUTED; ++i) {
+        muted_sender *muted = &lane->muted[i];
+        if (muted->source == source) {
+            place = muted;
+            if (now_ns - muted->until_ns < MUTE_NS) {
+                pause_ns = 2 * muted->pause_ns < MAX_MUTE_NS ? 2 * muted->pause_ns : MAX_MUTE_NS;
+            }
+            break;
+        }
+        if (!muted->is_muted && (place == NULL || muted->until_ns < place->until_ns)) {
+            place = muted;
+        }
+    }
+    if (place != NULL && !place->is_muted) {
+        *place = (muted_sender){.source = source,
+                                .until_ns = now_ns + pause_ns,
+                                .pause_ns = pause_ns,
+                                .is_muted = true};
+        ss_senders_pause(&lane->senders, source, pause_ns);
+        lane->muting_ns = now_ns;
+        mute_when_due(lane, now_ns);
+    }
 }
 
 /* May this sender say more in this lane? */
@@ -215,16 +268,11 @@ static bool is_within_rate(lane_state *lane, uint64_t source, int64_t now_ns)
     if (limits->sender_per_s == 0 || (limits->followed != NULL && *limits->followed == source)) {
         return true;
     }
-    ss_budget *budget = ss_senders_find(&lane->senders, source, now_ns);
-    if (ss_budget_left(budget, now_ns) < 1) {
-        if (mute(lane, source, now_ns) && budget != &lane->senders.shared) {
-            const int64_t nearly_ns = now_ns + MUTE_NS - UNMUTE_BURST * budget->interval_ns;
-            budget->spent_ns = nearly_ns > budget->spent_ns ? nearly_ns : budget->spent_ns;
-        }
-        return false;
+    const ss_senders_verdict verdict = ss_senders_hear(&lane->senders, source, now_ns);
+    if (verdict == SS_SENDERS_OVER) {
+        mute(lane, source, now_ns);
     }
-    ss_budget_spend(budget, 1);
-    return true;
+    return verdict == SS_SENDERS_HEARD;
 }
 
 /* Hands over what is there, at most a batch. How many; -1 when the socket is broken. */
@@ -273,26 +321,30 @@ static void receive_memq(const lcm_recv_buf_t *buffer, const char *channel, void
     }
 }
 
-/* What to wait for, and until when: a lane that has spent its budget waits for that of a whole
- * batch; who is muted is let in again in time. */
+/* When the lane is to be read again: one that has spent its budget waits for that of a whole batch,
+ * however often others wake us up. INT64_MIN: it has not. */
+static int64_t next_reading(lane_state *lane, int64_t now_ns)
+{
+    const int64_t whole = READ_COST + BATCH;
+    const int64_t batch = lane->budget.burst < whole ? lane->budget.burst : whole;
+    const int64_t left = ss_budget_left(&lane->budget, now_ns);
+    lane->is_spent = left <= READ_COST || (lane->is_spent && left < batch);
+    return lane->is_spent ? ss_budget_when(&lane->budget, batch) : INT64_MIN;
+}
+
+/* What to wait for, and until when; who is muted is let in again in time. */
 static int64_t next_wakeup(ss_receiver *receiver, int64_t now_ns, int64_t limit_ns,
                            struct pollfd waiting[])
 {
     for (int32_t i = 0; i < receiver->lane_count; ++i) {
         lane_state *lane = &receiver->lane[i];
-        if (now_ns >= lane->unmute_ns) {
-            mute_senders(lane, now_ns);
-        }
-        const bool is_open = receiver->is_memq || ss_budget_left(&lane->budget, now_ns) > READ_COST;
+        mute_when_due(lane, now_ns);
+        const int64_t again_ns = receiver->is_memq ? INT64_MIN : next_reading(lane, now_ns);
+        const bool is_open = again_ns == INT64_MIN;
         /* poll passes over a negative descriptor. */
         waiting[i] = (struct pollfd){.fd = is_open ? lane->fd : -1, .events = POLLIN};
-        if (!is_open) {
-            const int64_t whole = READ_COST + BATCH;
-            const int64_t batch = lane->budget.burst < whole ? lane->budget.burst : whole;
-            const int64_t again_ns = ss_budget_when(&lane->budget, batch);
-            limit_ns = again_ns < limit_ns ? again_ns : limit_ns;
-        }
-        limit_ns = lane->unmute_ns < limit_ns ? lane->unmute_ns : limit_ns;
+        limit_ns = !is_open && again_ns < limit_ns ? again_ns : limit_ns;
+        limit_ns = lane->muting_ns < limit_ns ? lane->muting_ns : limit_ns;
     }
     return limit_ns;
 }
@@ -505,10 +557,11 @@ static softsim_status open_lanes(ss_receiver *receiver, const ss_receiver_config
         lane->receiver = receiver;
         lane->budget =
             (ss_budget){.interval_ns = NS_PER_MS / lane->lane.per_ms, .burst = lane->lane.burst};
-        lane->unmute_ns = INT64_MAX;
-        if (lane->lane.sender_per_s > 0) {
-            lane->senders = ss_senders_make(lane->lane.sender_per_s, lane->lane.sender_burst);
-        }
+        lane->mutings =
+            (ss_budget){.interval_ns = NS_PER_S / MUTINGS_PER_S, .burst = MUTINGS_BURST};
+        lane->muting_ns = INT64_MAX;
+        const int32_t read_per_s = lane->lane.per_ms * 1000 / (READ_COST + BATCH) * BATCH;
+        lane->senders = ss_senders_make(lane->lane.sender_per_s, read_per_s / 2);
         status =
             url->is_memq ? subscribe_memq(receiver, lane) : open_lane(receiver, lane, url, error);
         lane->fd = url->is_memq ? lcm_get_fileno(config->lcm) : lane->fd;

@@ -33,9 +33,9 @@ typedef struct ss_lane {
     int32_t buffer;        /* bytes in the kernel, where the url does not say */
     int32_t per_ms, burst; /* units of work a millisecond, and at once after a pause: a message
                               costs one and its share of a wake-up, see receiver.c */
-    /* Messages of one sender a second, and at once after a pause; who sends more is muted. 0: as
-     * many as it likes. */
-    int32_t sender_per_s, sender_burst;
+    /* Messages of one sender in about a second, fewer where many speak (senders.h); who sends more
+     * is muted. 0: as many as it likes. */
+    int32_t sender_per_s;
     const uint64_t *followed; /* the sender that is never muted, whoever it is by then; or NULL */
     void (*receive)(void *context, const ss_packet *packet);
 } ss_lane;

@@ -2,85 +2,93 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "net/senders.h"
 
-#include <stdbool.h>
-#include <stddef.h>
+#include <math.h>
 
-static const int64_t PAST_NS = 1000000000;
+static const double MEMORY_S = 1.0;
+static const int32_t NEWCOMERS_PART = 4; /* one in so many */
+static const double LEFT_PART = 0.5;
 
-ss_senders ss_senders_make(int32_t per_s, int32_t burst)
+ss_senders ss_senders_make(int32_t one_per_s, int32_t all_per_s)
 {
-    const int64_t interval_ns = 1000000000 / per_s;
-    return (ss_senders){.shared = {.interval_ns = interval_ns, .burst = burst},
-                        .entries = {.interval_ns = interval_ns, .burst = SS_SENDERS}};
+    const int32_t newcomers_per_s = all_per_s / NEWCOMERS_PART;
+    return (ss_senders){
+        .one = one_per_s * MEMORY_S,
+        .known = (all_per_s - newcomers_per_s) * MEMORY_S,
+        .newcomers = {.interval_ns = 1000000000 / newcomers_per_s, .burst = SS_SENDERS}};
 }
 
-static bool is_newcomer(const ss_senders *senders, uint64_t source, int64_t now_ns)
+static void forget(ss_senders *senders, int64_t now_ns)
 {
-    for (int32_t i = 0; i < SS_PAST_SENDERS; ++i) {
-        if (senders->past[i].source == source && senders->past[i].until_ns > now_ns) {
-            return false;
-        }
+    if (now_ns <= senders->now_ns) {
+        return;
     }
-    return true;
-}
-
-/* In the place of who is nearest to being forgotten. */
-static void remember(ss_senders *senders, uint64_t source, int64_t now_ns)
-{
-    ss_past_sender *place = senders->past;
-    for (int32_t i = 1; i < SS_PAST_SENDERS; ++i) {
-        place = senders->past[i].until_ns < place->until_ns ? &senders->past[i] : place;
-    }
-    *place = (ss_past_sender){.source = source, .until_ns = now_ns + PAST_NS};
-}
-
-/* The one who is furthest over his budget; NULL: nobody is. */
-static ss_sender *find_worst(ss_senders *senders, int64_t now_ns)
-{
-    ss_sender *worst = NULL;
+    const double kept = exp(-1e-9 * (double)(now_ns - senders->now_ns) / MEMORY_S);
     for (int32_t i = 0; i < senders->count; ++i) {
-        ss_sender *sender = &senders->sender[i];
-        if (ss_budget_left(&sender->budget, now_ns) < 1 &&
-            (worst == NULL || sender->budget.spent_ns > worst->budget.spent_ns)) {
-            worst = sender;
-        }
+        senders->said[i] *= kept;
     }
-    return worst;
+    senders->said_by_known *= kept;
+    senders->now_ns = now_ns;
 }
 
-static ss_budget *take_place(ss_senders *senders, ss_sender *place, uint64_t source,
-                             int64_t spent_ns)
+/* What a known one may have said and still speak. */
+static double find_share(const ss_senders *senders)
 {
-    const ss_budget *shared = &senders->shared;
-    *place = (ss_sender){.source = source,
-                         .budget = {.interval_ns = shared->interval_ns,
-                                    .burst = shared->burst,
-                                    .spent_ns = spent_ns}};
-    return &place->budget;
+    return fmin(senders->one, LEFT_PART * (senders->known - senders->said_by_known));
 }
 
-ss_budget *ss_senders_find(ss_senders *senders, uint64_t source, int64_t now_ns)
+/* -1: not known. */
+static int32_t find(const ss_senders *senders, uint64_t source)
 {
-    ss_sender *place = senders->count < SS_SENDERS ? &senders->sender[senders->count] : NULL;
     for (int32_t i = 0; i < senders->count; ++i) {
-        ss_sender *sender = &senders->sender[i];
-        if (sender->source == source) {
-            return &sender->budget;
-        }
-        if (place == NULL && ss_budget_left(&sender->budget, now_ns) >= sender->budget.burst) {
-            place = sender;
+        if (senders->source[i] == source) {
+            return i;
         }
     }
-    if (place != NULL) {
-        senders->count += place == &senders->sender[senders->count];
-        return take_place(senders, place, source, 0);
+    return -1;
+}
+
+/* A free place, or that of who has said least; of several the one whose turn it is, so that those
+ * who came last stay longest. */
+static int32_t find_place(ss_senders *senders)
+{
+    if (senders->count < SS_SENDERS) {
+        return senders->count++;
     }
-    ss_sender *worst = find_worst(senders, now_ns);
-    if (worst == NULL || ss_budget_left(&senders->shared, now_ns) >= 1 ||
-        ss_budget_left(&senders->entries, now_ns) < 1 || !is_newcomer(senders, source, now_ns)) {
-        return &senders->shared;
+    int32_t least = senders->turn;
+    for (int32_t i = 1; i < SS_SENDERS; ++i) {
+        const int32_t place = (senders->turn + i) % SS_SENDERS;
+        least = senders->said[place] < senders->said[least] ? place : least;
     }
-    ss_budget_spend(&senders->entries, 1);
-    remember(senders, worst->source, now_ns);
-    return take_place(senders, worst, source, now_ns - SS_ENTRY * senders->shared.interval_ns);
+    senders->turn = (least + 1) % SS_SENDERS;
+    return least;
+}
+
+ss_senders_verdict ss_senders_hear(ss_senders *senders, uint64_t source, int64_t now_ns)
+{
+    forget(senders, now_ns);
+    const int32_t known = find(senders, source);
+    if (known >= 0) {
+        if (senders->said[known] >= find_share(senders)) {
+            return SS_SENDERS_OVER;
+        }
+        ++senders->said[known];
+        ++senders->said_by_known;
+        return SS_SENDERS_HEARD;
+    }
+    if (ss_budget_left(&senders->newcomers, now_ns) < 1) {
+        return SS_SENDERS_NEW;
+    }
+    ss_budget_spend(&senders->newcomers, 1);
+    const int32_t place = find_place(senders);
+    senders->source[place] = source;
+    senders->said[place] = 0.0;
+    return SS_SENDERS_HEARD;
+}
+
+void ss_senders_pause(ss_senders *senders, uint64_t source, int64_t pause_ns)
+{
+    const int32_t known = find(senders, source);
+    if (known >= 0) {
+        senders->said[known] = senders->one * exp(1e-9 * (double)pause_ns / MEMORY_S);
+    }
 }

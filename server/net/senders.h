@@ -2,52 +2,54 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * A budget for each who sends, so that one who floods takes nothing from the others. Senders are
- * told by the address and port that their packets come from: the number in a message is whatever
- * its writer likes.
+ * Fair shares of one budget for all who send, so that one who floods, or many who each say little,
+ * take nothing from the others. Senders are told by the address and port that their packets come
+ * from: the number in a message is whatever its writer likes.
  *
- * The table is short, which bounds what all together may ask for. A newcomer gets a free place, or
- * that of one whose budget is full again, so that forgetting it changes nothing; where there is
- * none it shares one more budget with all who have no place. Where that is spent too, somebody says
- * more than he may, and the newcomer gets the place of the one who is furthest over his budget,
- * with a few messages to begin with. Who lost his place so is no newcomer for a second, or those
- * who flood would take places from each other; and places change hands no more often than a sender
- * may speak, so that new numbers gain a flood nothing. So it takes more than SS_SENDERS +
- * SS_PAST_SENDERS who flood, or one of ever new numbers, to keep a newcomer out.
+ * What a sender has said counts less and less, 1/e of it after a second: the count is what it said
+ * in about the last second. Who is known may speak while it has said less than half of what is left
+ * of the budget that all known ones share. So `n` who never stop have 1 / (n + 2) of it each and
+ * leave two such shares over: who asks for less is never refused, and may say two thirds of a share
+ * at once (A. Choudhury, E. Hahne, Dynamic queue length thresholds for shared-memory packet
+ * switches, IEEE/ACM Trans. Networking 6(2), 1998).
  *
- * Rejected: the place of whoever has most left, with what is left there: a sender who asks for
- * little would lose it to those who ask for much. No clock in here: the caller gives the time.
- * Thread: one.
+ * The first message of somebody new comes out of another budget, which known ones cannot spend.
+ * It is known then, in the place of who has said least; the first message does not count. So
+ * SS_SENDERS who flood, however slowly, keep no newcomer out. Ever new addresses do, as far as
+ * their share of all newcomers goes, since nothing tells an honest one from them; but newcomers
+ * only: they take the places of each other, and who has spoken twice keeps its own.
+ *
+ * Rejected: a budget of its own for each of a few, and one for the rest: two dozen who each said
+ * less than their own spent that of the rest. No clock in here: the caller gives the time. Memory
+ * is bounded. Thread: one.
  */
 #include <stdint.h>
 
 #include "rt/budget.h"
 
-enum {
-    SS_SENDERS = 8,
-    SS_PAST_SENDERS = 32, /* who lost their places and are remembered */
-    SS_ENTRY = 4          /* messages that the place of another begins with */
-};
+enum { SS_SENDERS = 256 };
 
-typedef struct ss_sender {
-    uint64_t source; /* address and port */
-    ss_budget budget;
-} ss_sender;
-
-typedef struct ss_past_sender {
-    uint64_t source;
-    int64_t until_ns; /* it is no newcomer */
-} ss_past_sender;
+typedef enum ss_senders_verdict {
+    SS_SENDERS_HEARD,
+    SS_SENDERS_OVER, /* a known one, over its share */
+    SS_SENDERS_NEW   /* a newcomer among too many of them */
+} ss_senders_verdict;
 
 typedef struct ss_senders {
-    ss_budget shared;  /* of all without a place; the parameters of each */
-    ss_budget entries; /* places that newcomers may take from others */
-    int32_t count;
-    ss_sender sender[SS_SENDERS];
-    ss_past_sender past[SS_PAST_SENDERS];
+    double one, known;   /* parameters: messages in about a second, of one and of all known */
+    ss_budget newcomers; /* first messages */
+    double said_by_known;
+    int64_t now_ns; /* what was said counts as of then */
+    int32_t count, turn;
+    uint64_t source[SS_SENDERS]; /* address and port */
+    double said[SS_SENDERS];     /* but for the first message */
 } ss_senders;
 
-/* Each may say `per_s` messages a second, and `burst` at once after a pause. */
-ss_senders ss_senders_make(int32_t per_s, int32_t burst);
-/* The sender's budget, or the shared one. */
-ss_budget *ss_senders_find(ss_senders *senders, uint64_t source, int64_t now_ns);
+/* All together may say about `all_per_s` messages a second, and one of them `one_per_s`; a quarter
+ * is for newcomers. */
+ss_senders ss_senders_make(int32_t one_per_s, int32_t all_per_s);
+/* Counts a message of the sender where it may say it. */
+ss_senders_verdict ss_senders_hear(ss_senders *senders, uint64_t source, int64_t now_ns);
+/* A known sender that is not listened to for `pause_ns` has then said all that one may: those who
+ * pause leave the others larger shares, which they would take all at once when they are back. */
+void ss_senders_pause(ss_senders *senders, uint64_t source, int64_t pause_ns);

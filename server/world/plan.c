@@ -25,7 +25,9 @@
 enum {
     POSE_RING = 256,   /* a quarter of a second of poses at 1 kHz */
     FORCE_RING = 8192, /* one second of eight probes */
-    COMMAND_RING = 64,
+    /* What the net thread lets in between two steps at 1 Hz: 900 and a burst of them (net/net.c).
+     * Were there less room, the commands of others would keep out those of one who rarely asks. */
+    COMMAND_RING = 2048,
     UNTIMED_SUBSTEPS = 100000 /* the most that simulation.max_substeps takes; beyond, a verdict */
 };
 static const double COST_SHARE = 0.5;

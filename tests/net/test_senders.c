@@ -1,118 +1,173 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-/* net/senders: who sends much takes nothing from another, how many ever they are. */
+/* net/senders: who sends much, or many who each send little, take nothing from another. */
 #include "common/test.h"
 
 #include <stdbool.h>
 
 #include "net/senders.h"
 
-enum { PER_S = 100, BURST = 50, NEWCOMER = 1000 };
+enum { ONE_PER_S = 100, ALL_PER_S = 900, NEWCOMERS_PER_S = ALL_PER_S / 4, NEWCOMER = 100000 };
 static const int64_t MS = 1000000, START = 5000000000;
 
 static bool say(ss_senders *senders, uint64_t source, int64_t now_ns)
 {
-    ss_budget *budget = ss_senders_find(senders, source, now_ns);
-    const bool may = ss_budget_left(budget, now_ns) >= 1;
-    ss_budget_spend(budget, may);
-    return may;
+    return ss_senders_hear(senders, source, now_ns) == SS_SENDERS_HEARD;
 }
 
-/* `count` senders that never stop, each half as often again as it may, for two seconds. */
-static int64_t keep_busy(ss_senders *senders, int count)
+/* Senders 1 to `count` say `per_s` together for three seconds, in turn. Returns when; what was
+ * heard of the last second. */
+static int64_t keep_busy(ss_senders *senders, int count, int per_s, int *out_heard)
 {
     int64_t now_ns = START;
-    for (int i = 0; i < 3 * PER_S; ++i) {
-        now_ns = START + i * 1000 * MS * 2 / (3 * PER_S);
-        for (uint64_t s = 1; s <= (uint64_t)count; ++s) {
-            say(senders, s, now_ns);
-        }
+    *out_heard = 0;
+    for (int64_t i = 0; i < 3 * per_s; ++i) {
+        now_ns = START + i * 1000 * MS / per_s;
+        *out_heard += say(senders, 1 + (uint64_t)(i % count), now_ns) && i >= 2 * per_s;
     }
     return now_ns;
 }
 
-TEST(each_has_a_budget_of_its_own)
+TEST(one_alone_may_say_what_one_may)
 {
-    ss_senders senders = ss_senders_make(PER_S, BURST);
-    for (uint64_t s = 1; s <= SS_SENDERS; ++s) {
-        for (int i = 0; i < BURST; ++i) {
-            assert_true(say(&senders, s, START));
-        }
-        assert_false(say(&senders, s, START));
+    ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+    for (int i = 0; i < 1 + ONE_PER_S; ++i) {
+        assert_true(say(&senders, 1, START));
     }
-    assert_true(say(&senders, 1, START + 10 * MS));
-    assert_false(say(&senders, 1, START + 10 * MS));
+    assert_int_equal(ss_senders_hear(&senders, 1, START), SS_SENDERS_OVER);
+    /* And goes on as fast as that is forgotten. */
+    int heard = 0;
+    for (int i = 0; i < 3000; ++i) {
+        heard += say(&senders, 1, START + i * MS);
+    }
+    assert_in_range(heard, 3 * ONE_PER_S - 3, 3 * ONE_PER_S + 3);
 }
 
-TEST(a_newcomer_is_heard_where_all_places_are_busy)
+/* Each says less than one may, all together what two dozen may, or twenty times as much. */
+static const int counts[] = {1, 8, 24, 32, 40, 64, 128, SS_SENDERS - 1};
+static const int rates[] = {400, 1200, 5000, 20000};
+
+TEST(a_newcomer_is_heard_beside_any_number_of_others)
 {
-    ss_senders senders = ss_senders_make(PER_S, BURST);
-    const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
-    assert_false(say(&senders, 1, now_ns));
-    for (int i = 0; i < BURST + SS_ENTRY; ++i) {
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; ++k) {
+        for (size_t r = 0; r < sizeof rates / sizeof *rates; ++r) {
+            int heard = 0;
+            ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+            const int64_t now_ns = keep_busy(&senders, counts[k], rates[r], &heard);
+            for (uint64_t n = 0; n < 6; ++n) {
+                if (!say(&senders, NEWCOMER + n, now_ns)) {
+                    fail_msg("newcomer %d beside %d at %d a second", (int)n, counts[k], rates[r]);
+                }
+            }
+        }
+    }
+}
+
+/* A second message of it is heard too, and then as many as of the others, who never stop. */
+TEST(a_newcomer_then_has_the_share_of_all)
+{
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; ++k) {
+        int ignored = 0, heard = 0;
+        ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+        int64_t now_ns = keep_busy(&senders, counts[k], 20000, &ignored);
+        assert_true(say(&senders, NEWCOMER, now_ns));
+        assert_true(say(&senders, NEWCOMER, now_ns + MS));
+        for (int i = 0; i < 5 * 20000; ++i) {
+            now_ns += MS / 20;
+            say(&senders, 1 + (uint64_t)(i % counts[k]), now_ns);
+            heard += say(&senders, NEWCOMER, now_ns);
+        }
+        const int fair = (ALL_PER_S - NEWCOMERS_PER_S) / (counts[k] + 3);
+        const int share = fair < ONE_PER_S ? fair : ONE_PER_S;
+        assert_in_range(heard, 5 * share - share / 2 - 5, 6 * share + 6);
+    }
+}
+
+/* Who asks for less than those who never stop get is never refused. */
+TEST(a_slow_one_is_always_heard)
+{
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; ++k) {
+        int ignored = 0;
+        ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+        int64_t now_ns = keep_busy(&senders, counts[k], 20000, &ignored);
+        for (int i = 0; i < 5 * 20000; ++i) {
+            now_ns += MS / 20;
+            say(&senders, 1 + (uint64_t)(i % counts[k]), now_ns);
+            if (i % 20000 == 0) {
+                assert_true(say(&senders, NEWCOMER, now_ns));
+            }
+        }
+    }
+}
+
+/* Eight others leave two shares over, so that forty commands one after the other are not too many.
+ */
+TEST(two_thirds_of_a_share_may_be_said_at_once)
+{
+    int ignored = 0;
+    ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+    const int64_t now_ns = keep_busy(&senders, 8, 1200, &ignored);
+    const int share = (ALL_PER_S - NEWCOMERS_PER_S) / (8 + 2);
+    for (int i = 0; i < 2 * share / 3; ++i) {
         assert_true(say(&senders, NEWCOMER, now_ns));
     }
-    assert_false(say(&senders, NEWCOMER, now_ns));
 }
 
-TEST(a_newcomer_is_heard_beside_more_busy_senders_than_places)
+TEST(all_together_are_bounded)
 {
-    static const int counts[] = {SS_SENDERS + 1, SS_SENDERS + 4, 3 * SS_SENDERS,
-                                 SS_SENDERS + SS_PAST_SENDERS};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; ++k) {
-        ss_senders senders = ss_senders_make(PER_S, BURST);
-        int64_t now_ns = keep_busy(&senders, counts[k]);
-        for (int i = 0; i < SS_ENTRY; ++i) {
-            assert_true(say(&senders, NEWCOMER, now_ns));
-        }
-        /* And then as often as anybody. */
-        for (int i = 0; i < 20; ++i) {
-            now_ns += 1000 * MS / PER_S;
-            for (uint64_t s = 1; s <= (uint64_t)counts[k]; ++s) {
-                say(&senders, s, now_ns);
-            }
-            assert_true(say(&senders, NEWCOMER, now_ns));
+        for (size_t r = 0; r < sizeof rates / sizeof *rates; ++r) {
+            int heard = 0;
+            ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+            keep_busy(&senders, counts[k], rates[r], &heard);
+            assert_in_range(heard, 1, ALL_PER_S - NEWCOMERS_PER_S + 1);
         }
     }
 }
 
-TEST(all_without_a_place_share_one_budget)
+/* Who goes on under another number with each message is a newcomer among newcomers: the known ones
+ * lose nothing, and all together are bounded. */
+TEST(ever_new_numbers_take_nothing_from_known_ones)
 {
-    ss_senders senders = ss_senders_make(PER_S, BURST);
-    const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
-    int heard = 0;
-    for (uint64_t s = NEWCOMER; s < NEWCOMER + 1000; ++s) {
-        heard += say(&senders, s, now_ns);
-    }
-    /* And one each in the places of those who are over theirs. */
-    assert_int_equal(heard, BURST + SS_SENDERS);
-}
-
-/* Who says all he may and goes on under another number gets no more than the places allow. */
-TEST(senders_of_many_numbers_are_bounded_together)
-{
-    ss_senders senders = ss_senders_make(PER_S, BURST);
-    const int64_t start_ns = keep_busy(&senders, SS_SENDERS);
-    const int seconds = 3;
+    ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+    const int seconds = 20;
     int64_t heard = 0;
-    for (int i = 0; i < seconds * 100 * PER_S; ++i) {
-        heard += say(&senders, NEWCOMER + (uint64_t)i / (SS_ENTRY + 1),
-                     start_ns + i * 1000 * MS / (100 * PER_S));
+    uint64_t number = NEWCOMER;
+    assert_true(say(&senders, 1, START));
+    assert_true(say(&senders, 1, START));
+    for (int i = 0; i < seconds * 10000; ++i) {
+        const int64_t now_ns = START + i * 1000 * MS / 10000;
+        const ss_senders_verdict verdict = ss_senders_hear(&senders, number++, now_ns);
+        assert_int_not_equal(verdict, SS_SENDERS_OVER);
+        heard += verdict == SS_SENDERS_HEARD;
+        if (i % 50000 == 0) { /* once in five seconds */
+            assert_true(say(&senders, 1, now_ns));
+        }
     }
-    assert_true(heard <= (int64_t)(SS_SENDERS + 1 + SS_ENTRY) * (BURST + seconds * PER_S));
+    assert_in_range(heard, 1, SS_SENDERS + seconds * NEWCOMERS_PER_S);
 }
 
-TEST(a_place_is_taken_only_when_its_budget_is_full)
+/* With two messages of each it does take places, and still no more than the bound. */
+TEST(many_numbers_are_bounded_together)
 {
-    ss_senders senders = ss_senders_make(PER_S, BURST);
-    const int64_t now_ns = keep_busy(&senders, SS_SENDERS);
-    const int64_t full_ns = now_ns + 1000 * MS * (BURST + 1) / PER_S;
-    ss_budget *first = ss_senders_find(&senders, 1, now_ns);
-    assert_ptr_equal(ss_senders_find(&senders, NEWCOMER, now_ns), &senders.shared);
-    assert_ptr_equal(ss_senders_find(&senders, NEWCOMER, full_ns), first);
-    assert_true(say(&senders, NEWCOMER, full_ns));
-    /* Then it is the newcomer's: the one before is a newcomer itself. */
-    assert_ptr_not_equal(ss_senders_find(&senders, 1, full_ns), first);
+    ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+    const int seconds = 5;
+    int64_t heard = 0;
+    for (int i = 0; i < seconds * 20000; ++i) {
+        heard += say(&senders, NEWCOMER + (uint64_t)i / 2, START + i * 1000 * MS / 20000);
+    }
+    assert_true(heard <= SS_SENDERS + (int64_t)(seconds + 1) * ALL_PER_S);
+}
+
+TEST(who_paused_has_said_all_it_may)
+{
+    ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+    say(&senders, 1, START);
+    ss_senders_pause(&senders, 1, 1000 * MS);
+    assert_false(say(&senders, 1, START + 999 * MS));
+    assert_true(say(&senders, 1, START + 1001 * MS));
+    assert_false(say(&senders, 1, START + 1001 * MS));
+    assert_true(say(&senders, 1, START + 1012 * MS)); /* one in a hundredth of a second */
 }
 
 int main(void)

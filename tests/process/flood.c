@@ -6,8 +6,8 @@
  *   flood KIND [--rate PACKETS_PER_S] [--burst N] [--sockets N] [--seconds S] [--ttl T]
  *         [--to ADDRESS] [--list]
  * Rate 0 is as fast as the kernel takes them. Packets go out in bursts, one a millisecond unless
- * --burst says how many at once, by each socket in turn: each is a sender of its own. Says at the
- * end what it sent.
+ * --burst says how many at once, by each socket in turn: each is a sender of its own. --sockets 0:
+ * every packet comes from a new one. Says at the end what it sent.
  */
 #include <arpa/inet.h>
 #include <getopt.h>
@@ -29,7 +29,7 @@
 #include "softsim_reply_t.h"
 #include "softsim_server_status_t.h"
 
-enum { MAX_PACKET = 65507, BIG = 60000, BATCH = 64, LISTEN_S = 10, MAX_SOCKETS = 64 };
+enum { MAX_PACKET = 65507, BIG = 60000, BATCH = 64, LISTEN_S = 10, MAX_SOCKETS = 512 };
 static const char GROUP[] = "239.255.76.67";
 static const uint16_t PORT = 7667;
 
@@ -460,6 +460,17 @@ typedef struct flood_plan {
     struct sockaddr_in to;
 } flood_plan;
 
+/* -1 with a message. */
+static int open_sender(const flood_plan *plan)
+{
+    const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+    if (fd < 0 || setsockopt(fd, IPPROTO_IP, IP_MULTICAST_TTL, &plan->ttl, sizeof plan->ttl) != 0) {
+        perror("flood");
+        return -1;
+    }
+    return fd;
+}
+
 /* Makes and sends `count` datagrams of the kind, "mixed": of all in turn. How many went out. */
 static int64_t send_some(const int fd[], const flood_plan *plan, int kind, int count)
 {
@@ -468,8 +479,13 @@ static int64_t send_some(const int fd[], const flood_plan *plan, int kind, int c
     for (int i = 0; i < count; ++i) {
         ++number;
         kinds[kind < KIND_COUNT ? kind : (int)(number % MIXED_COUNT)].make(&p);
-        sent += sendto(fd[number % (uint32_t)plan->sockets], p.byte, (size_t)p.size, 0,
-                       (const struct sockaddr *)&plan->to, sizeof plan->to) == p.size;
+        const bool is_new = plan->sockets == 0;
+        const int from = is_new ? open_sender(plan) : fd[number % (uint32_t)plan->sockets];
+        sent += sendto(from, p.byte, (size_t)p.size, 0, (const struct sockaddr *)&plan->to,
+                       sizeof plan->to) == p.size;
+        if (is_new) {
+            close(from);
+        }
     }
     return sent;
 }
@@ -481,10 +497,8 @@ static int flood(const flood_plan *plan, int kind)
     const int64_t end_ns = start_ns + (int64_t)(plan->seconds * 1e9);
     int64_t sent = 0;
     for (int i = 0; i < plan->sockets; ++i) {
-        fd[i] = socket(AF_INET, SOCK_DGRAM, 0);
-        if (fd[i] < 0 ||
-            setsockopt(fd[i], IPPROTO_IP, IP_MULTICAST_TTL, &plan->ttl, sizeof plan->ttl) != 0) {
-            perror("flood");
+        fd[i] = open_sender(plan);
+        if (fd[i] < 0) {
             return 1;
         }
     }
@@ -563,7 +577,7 @@ int main(int argc, char **argv)
     }
     if ((kind == KIND_COUNT && strcmp(plan.kind, "mixed") != 0) ||
         inet_pton(AF_INET, to, &plan.to.sin_addr) != 1 || plan.burst < 0 || plan.rate < 0.0 ||
-        plan.sockets < 1 || plan.sockets > MAX_SOCKETS) {
+        plan.sockets < 0 || plan.sockets > MAX_SOCKETS) {
         return usage();
     }
     if (strcmp(plan.kind, "pose-holder") == 0 && !hear_holder()) {

@@ -223,6 +223,37 @@ TEST_WITH(commands_have_a_budget, make_folder, end_all)
     assert_int_equal(stop_daemon(), 0);
 }
 
+/* Each says less than one may, and all together more than all may: a request or command of somebody
+ * new once found that nothing was left. */
+TEST_WITH(slow_floods_of_many_keep_no_newcomer_out, make_folder, end_all)
+{
+    static const char *const floods[][2] = {{"command-status", "24"},
+                                            {"command-status", "32"},
+                                            {"command-status", "128"},
+                                            {"command-pause", "32"}};
+    enum { NEWCOMERS = 6 };
+    const char *const monitor[] = {"softsim-monitor", "--command", "status", NULL};
+    const char *const resume[] = {"softsim-monitor", "--command", "resume", NULL};
+    for (size_t f = 0; f < sizeof floods / sizeof *floods; ++f) {
+        listener l;
+        start_daemon(tube(), NULL);
+        listen_open(&l);
+        start_flood_from(floods[f][1], floods[f][0], "1200", "600");
+        /* All who flood are known by then. */
+        const int64_t *refused = &l.status.poses_refused[SOFTSIM_REFUSED_OTHER];
+        for (int tries = 0; listen_next(&l) && *refused < 600; ++tries) {
+            assert_true(tries < 200);
+        }
+        for (int i = 0; i < NEWCOMERS; ++i) {
+            expect_run(strcmp(floods[f][0], "command-pause") == 0 ? resume : monitor);
+        }
+        process_signal(&flooder, SIGKILL); /* it was there until now */
+        assert_int_equal(process_finish(&flooder), 128 + SIGKILL);
+        softsim_client_close(&l.client);
+        assert_int_equal(stop_daemon(), 0);
+    }
+}
+
 /* Each request was answered by a status of its own, to all: a server that was asked often enough
  * spoke as often as one who floods, and its clients and other servers took it for one. */
 TEST_WITH(requests_of_many_are_answered_by_few_statuses, make_folder, end_all)
@@ -241,11 +272,12 @@ TEST_WITH(requests_of_many_are_answered_by_few_statuses, make_folder, end_all)
 }
 
 /* The holder's commands, one after the other, under a flood of `kind`. */
-static void expect_no_command_lost_under(const char *sockets, const char *kind, const char *rate)
+static void expect_no_command_lost_under(const char *scene, const char *sockets, const char *kind,
+                                         const char *rate)
 {
     enum { COMMANDS = 40 };
     listener l;
-    start_daemon(tube(), NULL);
+    start_daemon(scene, NULL);
     listen_open(&l);
     const softsim_pose pose = {.utime_us = softsim_client_now_us(),
                                .sender = softsim_client_sender(l.client),
@@ -283,7 +315,7 @@ static void expect_no_command_lost_under(const char *sockets, const char *kind, 
 
 static void expect_no_command_lost(const char *kind)
 {
-    expect_no_command_lost_under("1", kind, "20000");
+    expect_no_command_lost_under(tube(), "1", kind, "20000");
 }
 
 TEST_WITH(a_flood_of_status_requests_loses_no_command, make_folder, end_all)
@@ -305,7 +337,19 @@ TEST_WITH(a_flood_of_commands_loses_no_command_of_another, make_folder, end_all)
 /* Each is slow enough never to be muted, and asks for more than its budget: all places are busy. */
 TEST_WITH(slow_floods_of_many_lose_no_command_of_another, make_folder, end_all)
 {
-    expect_no_command_lost_under("8", "command-pause", "1200");
+    expect_no_command_lost_under(tube(), "8", "command-pause", "1200");
+}
+
+/* The loops take commands once a step: while one that is slow, or has no processor, takes its time,
+ * those of others once left no room for the holder's, which was refused as one too many. */
+TEST_WITH(slow_floods_of_many_lose_no_command_of_another_between_slow_steps, make_folder, end_all)
+{
+    char text[2048];
+    tube();
+    read_text("tube.yaml", text, sizeof text);
+    const size_t size = strlen(text);
+    snprintf(text + size, sizeof text - size, "simulation: {rate_hz: 5}\n");
+    expect_no_command_lost_under(write_text("slow.yaml", text), "8", "command-pause", "1200");
 }
 
 /* Statuses that another process forges as fast as it can filled the monitor's buffer: the server
