@@ -39,7 +39,7 @@
 #include "rt/hash.h"
 #include "rt/vec.h"
 
-#define STIFFNESS_MIN    1.0  /* N/m */
+#define STIFFNESS_MIN    1e-6 /* N/m: a body of metres and pascals has less than 1 */
 #define STIFFNESS_MAX    1e5  /* N/m */
 #define STIFFNESS_MARGIN 1.15 /* k / k_n */
 #define SLOW_RESULTS                                                                               \

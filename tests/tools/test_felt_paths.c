@@ -157,6 +157,8 @@ TEST(paths_have_the_speeds_of_their_names)
     }
 }
 
+static const ss_felt_question question = {.limit = 0.07, .settle_ms = 20};
+
 TEST(a_force_that_is_a_tenth_more_is_a_tenth_off)
 {
     enum { N = 1000 };
@@ -169,18 +171,42 @@ TEST(a_force_that_is_a_tenth_more_is_a_tenth_off)
     const ss_felt_trace reference = {.count = N, .force = reference_n, .held_n = 2.0};
     const ss_felt_trace more = {.count = N, .force = more_n, .held_n = 2.2};
     ss_felt_errors e;
-    assert_true(ss_felt_compare(&more, &reference, &e));
+    assert_true(ss_felt_compare(&more, &reference, &question, &e));
     assert_true(fabs(e.p50 - 0.1) < 1e-12 && fabs(e.p99 - 0.1) < 1e-12);
     assert_true(fabs(e.largest - hypot(0.2, 1.0) / 2.0) < 1e-12);
     assert_true(fabs(e.impulse - (0.1 + (hypot(2.2, 1.0) - 2.2) / (N / 2) / 2.0)) < 1e-12);
     assert_true(fabs(e.peak - (hypot(2.2, 1.0) / 2.0 - 1.0)) < 1e-12);
     assert_true(fabs(e.held - 0.1) < 1e-12);
-    assert_true(ss_felt_compare(&reference, &reference, &e));
+    assert_true(ss_felt_compare(&reference, &reference, &question, &e));
     assert_true(e.largest == 0.0 && e.impulse == 0.0 && e.peak == 0.0);
     static double nothing_n[N][3];
     const ss_felt_trace nothing = {.count = N, .force = nothing_n, .held_n = NAN};
-    assert_true(ss_felt_compare(&more, &nothing, &e));
+    assert_true(ss_felt_compare(&more, &nothing, &question, &e));
     assert_true(isnan(e.p50) && isnan(e.p99));
+}
+
+/* Two contacts of 1 mN, of 100 ms each, rising in 10 ms; felt 3 ms late, then 2 ms early, and a
+ * half more in the last 10 ms of both. */
+TEST(a_touch_is_told_late_or_early_and_where_it_differs)
+{
+    enum { N = 600 };
+    static double reference_n[N][3], felt_n[N][3];
+    for (int k = 0; k < N; ++k) {
+        const int in = k >= 400 ? k - 400 : k - 100; /* since the contact began */
+        const int late = k >= 398 ? -2 : 3;
+        const bool is_in = in >= 0 && in < 100, is_felt = in >= late && in < 100;
+        reference_n[k][0] = is_in ? 1e-3 * fmin(1.0, (in + 1) / 10.0) : 0.0;
+        felt_n[k][0] = is_felt ? fmax(reference_n[k][0], 1e-4) * (in >= 90 ? 1.5 : 1.0) : 0.0;
+    }
+    const ss_felt_trace reference = {.count = N, .force = reference_n, .held_n = NAN};
+    const ss_felt_trace felt = {.count = N, .force = felt_n, .held_n = NAN};
+    ss_felt_errors e;
+    assert_true(ss_felt_compare(&felt, &reference, &question, &e));
+    assert_true(e.touch_ms == 3.0);
+    assert_true(e.rise_ms == 8.0); /* 0.9 mN at the ninth */
+    /* Over 7 %: the first three of the first contact (0.1 to 0.3 mN), ten of each at its end. */
+    assert_true(fabs(e.at_touch - 3.0 / 23.0) < 1e-12);
+    assert_true(fabs(e.at_leaving - 20.0 / 23.0) < 1e-12);
 }
 
 /* Exit status of softsim-bench felt with the arguments. */
@@ -216,7 +242,8 @@ TEST(a_rate_compared_with_itself_differs_in_nothing)
     assert_non_null(file);
     assert_non_null(fgets(line, sizeof line, file));
     assert_string_equal(line, "scene,model,rate_hz,path,delay_ms,p50,p99,max,impulse_error,"
-                              "peak_error,held_error,static_error,net_energy_j,verdict\n");
+                              "peak_error,held_error,static_error,net_energy_j,verdict,p95,"
+                              "hold_p99,touch_ms,penetration,short_of,cause\n");
     int rows = 0;
     while (fgets(line, sizeof line, file)) {
         const char *zero = strstr(line, ",0,0,0,0,0,0,"); /* delay, p50 .. peak */
@@ -247,7 +274,7 @@ static ss_felt_errors compare_rates(const char *name, ss_felt_path path, double 
         assert_int_equal(ss_felt_play(file, &place, path, &run, &at[i], &error), SOFTSIM_OK);
         assert_true(path != SS_FELT_PRESS || at[i].held_n > 0.1);
     }
-    assert_true(ss_felt_compare(&at[0], &at[1], &e));
+    assert_true(ss_felt_compare(&at[0], &at[1], &question, &e));
     ss_felt_trace_fini(&at[0]);
     ss_felt_trace_fini(&at[1]);
     return e;

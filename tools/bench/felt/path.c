@@ -174,6 +174,9 @@ bool ss_felt_find_place(const ss_scene *scene, ss_felt_place *out)
             longest = k;
         }
     }
+    out->radius_m = ss_shape_curvature_radius(shape);
+    out->radius_m = out->radius_m > 0.0 ? out->radius_m : ss_shape_inradius(shape);
+    out->working_force_n = scene->working_force_n;
     out->depth_m = fmin(most_depth_m, depth_share * least);
     out->slide_m = fmin(most_slide_m, slide_share * largest);
     out->along[longest] = 1.0;
@@ -219,6 +222,19 @@ double ss_felt_path_seconds(const ss_felt_place *place, ss_felt_path path, doubl
         return rest_s + 2.0 * press_seconds(0.5 * place->depth_m) +
                2.0 * place->slide_m / slide_speed_m_s;
     }
+}
+
+void ss_felt_path_last(const ss_felt_place *place, ss_felt_path path, double *out_from_s,
+                       double *out_seconds)
+{
+    const bool is_tap = path == SS_FELT_TAP;
+    *out_seconds = 1.0 / (is_tap ? tap_hz : poke_hz(place, path));
+    *out_from_s = rest_s + ((is_tap ? TAPS : POKES) - 1) * *out_seconds;
+}
+
+void ss_felt_path_deep(const ss_felt_place *place, double depth_m, double out_position[3])
+{
+    ss_madd3(out_position, place->point, place->reach_m - depth_m, place->normal);
 }
 
 void ss_felt_path_at(const ss_felt_place *place, ss_felt_path path, bool is_held, double time_s,

@@ -38,6 +38,8 @@ typedef struct ss_felt_place {
     double orientation[4];      /* tool to world */
     double reach_m;             /* from the tool's origin to where it touches */
     double depth_m, slide_m;
+    double radius_m; /* of the tool where it touches, its curvature's or its inscribed ball's */
+    double working_force_n; /* of the scene */
 } ss_felt_place;
 
 const char *ss_felt_path_name(ss_felt_path path);
@@ -45,6 +47,11 @@ const char *ss_felt_path_name(ss_felt_path path);
 bool ss_felt_find_place(const ss_scene *scene, ss_felt_place *out);
 /* How long it lasts, s; of a press the time at which it begins to go back in *out_hold_end_s. */
 double ss_felt_path_seconds(const ss_felt_place *place, ss_felt_path path, double *out_hold_end_s);
+/* The last contact of a poke or tap: when its way begins and how long it takes, s. */
+void ss_felt_path_last(const ss_felt_place *place, ss_felt_path path, double *out_from_s,
+                       double *out_seconds);
+/* The tool's origin `depth_m` deep on the way of a press. */
+void ss_felt_path_deep(const ss_felt_place *place, double depth_m, double out_position[3]);
 /* The tool's origin at that time. A press that is held for longer does not go back: `is_held`. */
 void ss_felt_path_at(const ss_felt_place *place, ss_felt_path path, bool is_held, double time_s,
                      double out_position[3]);

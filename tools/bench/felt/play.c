@@ -12,8 +12,10 @@
 #include "rt/vec.h"
 #include "softsim/softsim.h"
 
-enum { MAX_SET = 72, SENDER = 1, SAMPLE_HZ = 1000, HELD_MS = 100, LONG_S = 3 };
-static const double touch_n = 0.02;
+enum { MAX_SET = 72, SENDER = 1, SAMPLE_HZ = 1000, HELD_MS = 100, LONG_S = 3, SETTLE_S = 1 };
+static const double touch_n = 0.02, touch_share = 0.01;
+/* Of a press to the working force. */
+static const double before_m = 0.003, descent_m_s = 0.01, most_descent = 4.0, stay_s = 0.3;
 static const int64_t ms_ns = 1000000;
 
 /* ---- playing ---- */
@@ -24,10 +26,13 @@ softsim_world *ss_felt_world(const char *scene, const ss_felt_run *run, softsim_
     char rate[64];
     softsim_config config = softsim_default_config();
     int32_t count = 0;
-    for (; count < run->set_count && count < MAX_SET - 2; ++count) {
+    for (; count < run->set_count && count < MAX_SET - 3; ++count) {
         set[count] = run->set[count];
     }
     set[count++] = "publish.mesh_rate_hz=0";
+    if (run->is_without_law) {
+        set[count++] = "haptic.between_steps=hold";
+    }
     if (run->rate_hz > SAMPLE_HZ) {
         config.step_s = 1.0 / run->rate_hz;
     } else {
@@ -42,6 +47,7 @@ softsim_world *ss_felt_world(const char *scene, const ss_felt_run *run, softsim_
 
 /* Energy of the contact under way, and the least of all so far. */
 typedef struct balance {
+    double touch_n;
     double contact_j, least_j;
     bool is_touching;
 } balance;
@@ -49,18 +55,18 @@ typedef struct balance {
 /* The device goes from `from` to `to` under `force`. */
 static void add_work(balance *b, const double force[3], const double from[3], const double to[3])
 {
-    const bool is_touching = ss_norm3(force) > touch_n;
+    const bool has_touch = ss_norm3(force) > b->touch_n;
     double way[3];
     ss_sub3(way, to, from);
-    if (is_touching && !b->is_touching) {
+    if (has_touch && !b->is_touching) {
         b->contact_j = 0.0;
     }
-    if (is_touching) {
+    if (has_touch) {
         b->contact_j -= ss_dot3(force, way);
     } else if (b->is_touching) {
         b->least_j = fmin(b->least_j, b->contact_j);
     }
-    b->is_touching = is_touching;
+    b->is_touching = has_touch;
 }
 
 /* What is on its way to the device. */
@@ -110,12 +116,35 @@ static double mean_size(const ss_felt_trace *trace, int32_t from, int32_t end)
     return sum / (end - from);
 }
 
+/* The tool's origin at `time_s` of the run. */
+static void place_at(const ss_felt_place *place, ss_felt_path path, const ss_felt_run *run,
+                     double time_s, double out_position[3])
+{
+    double from_s, seconds;
+    if (run->slowness > 1.0) {
+        ss_felt_path_last(place, path, &from_s, &seconds);
+        time_s = from_s + fmax(0.0, time_s - SETTLE_S) / run->slowness;
+    }
+    ss_felt_path_at(place, path, run->is_held, time_s, out_position);
+}
+
+static double run_seconds(const ss_felt_place *place, ss_felt_path path, const ss_felt_run *run,
+                          double *out_hold_end_s)
+{
+    const double path_s = ss_felt_path_seconds(place, path, out_hold_end_s);
+    if (run->slowness > 1.0) {
+        double from_s, seconds;
+        ss_felt_path_last(place, path, &from_s, &seconds);
+        return SETTLE_S + run->slowness * seconds;
+    }
+    return run->is_held ? *out_hold_end_s + LONG_S : path_s;
+}
+
 softsim_status ss_felt_play(const char *scene, const ss_felt_place *place, ss_felt_path path,
                             const ss_felt_run *run, ss_felt_trace *out, softsim_error *error)
 {
     double hold_end_s = NAN;
-    const double path_s = ss_felt_path_seconds(place, path, &hold_end_s);
-    const double seconds = run->is_held ? hold_end_s + LONG_S : path_s;
+    const double seconds = run_seconds(place, path, run, &hold_end_s);
     const int32_t per_ms = run->rate_hz > SAMPLE_HZ ? (int32_t)round(run->rate_hz / SAMPLE_HZ) : 1;
     const int32_t ticks = (int32_t)ceil(seconds * SAMPLE_HZ) * per_ms;
     *out = (ss_felt_trace){.count = ticks / per_ms, .held_n = NAN};
@@ -136,15 +165,15 @@ softsim_status ss_felt_play(const char *scene, const ss_felt_place *place, ss_fe
         status = error->status;
         goto end;
     }
-    balance energy = {0.0, 0.0, false};
+    balance energy = {.touch_n = fmin(touch_n, touch_share * place->working_force_n)};
     double x[3], next[3], force[3];
-    ss_felt_path_at(place, path, run->is_held, 0.0, x);
+    place_at(place, path, run, 0.0, x);
     for (int32_t k = 0; k < ticks; ++k) {
         answer_sample(world, place, run, b, k, per_ms, x, force);
         if (k % per_ms == 0) {
             ss_copy3(out->force[k / per_ms], force);
         }
-        ss_felt_path_at(place, path, run->is_held, (k + 1.0) / (SAMPLE_HZ * per_ms), next);
+        place_at(place, path, run, (k + 1.0) / (SAMPLE_HZ * per_ms), next);
         add_work(&energy, force, x, next);
         ss_copy3(x, next);
     }
@@ -168,6 +197,78 @@ end:
     return status;
 }
 
+/* How deep the proxy is in the tissue as its simulation has it. */
+static double proxy_depth(const softsim_force *force, const double x[3])
+{
+    double way[3];
+    ss_sub3(way, x, force->proxy);
+    return force->depth + ss_dot3(force->normal, way);
+}
+
+/* A press straight down at 10 mm/s. */
+typedef struct descent {
+    softsim_world *world;
+    const ss_felt_place *place;
+    double depth_m;
+    double position[3];
+    softsim_force force;
+} descent;
+
+static void descend(descent *d, int32_t k)
+{
+    softsim_force all[SOFTSIM_MAX_PROBES];
+    softsim_pose pose = {.utime_us = (int64_t)k * 1000,
+                         .sender = SENDER,
+                         .seq = k + 1,
+                         .probe = d->place->probe,
+                         .force_seq = -1,
+                         .velocity = {NAN, NAN, NAN},
+                         .applied_force = {NAN, NAN, NAN}};
+    ss_felt_path_deep(d->place, d->depth_m, d->position);
+    ss_copy3(pose.position, d->position);
+    memcpy(pose.orientation, d->place->orientation, sizeof pose.orientation);
+    softsim_tick(d->world, &pose, &d->place->probe, 1, all);
+    d->force = all[d->place->probe];
+}
+
+double ss_felt_penetration(const char *scene, const ss_felt_place *place, const ss_felt_run *run)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    descent d = {.world = ss_felt_world(scene, run, &error),
+                 .place = place,
+                 .depth_m = -fmin(place->radius_m, before_m)};
+    const int32_t stay = (int32_t)(stay_s * SAMPLE_HZ);
+    double penetration = NAN;
+    int32_t left = stay;
+    for (int32_t k = 0; d.world && left > 0 && d.depth_m < most_descent * place->depth_m; ++k) {
+        descend(&d, k);
+        if (ss_norm3(d.force.force) >= place->working_force_n || left < stay) {
+            penetration = proxy_depth(&d.force, d.position) / place->radius_m;
+            --left;
+        } else {
+            d.depth_m += descent_m_s / SAMPLE_HZ;
+        }
+    }
+    softsim_destroy(&d.world);
+    return penetration;
+}
+
+double ss_felt_touch_depth(const char *scene, const ss_felt_place *place, const ss_felt_run *run)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    descent d = {.world = ss_felt_world(scene, run, &error),
+                 .place = place,
+                 .depth_m = -fmin(place->radius_m, before_m)};
+    bool is_felt = false;
+    for (int32_t k = 0; d.world && !is_felt && d.depth_m < place->radius_m; ++k) {
+        d.depth_m += descent_m_s / SAMPLE_HZ;
+        descend(&d, k);
+        is_felt = ss_norm3(d.force.force) > 0.0;
+    }
+    softsim_destroy(&d.world);
+    return is_felt ? d.depth_m : (double)NAN;
+}
+
 void ss_felt_trace_fini(ss_felt_trace *trace)
 {
     free(trace->force);
@@ -177,15 +278,99 @@ void ss_felt_trace_fini(ss_felt_trace *trace)
 
 /* ---- comparing ---- */
 
-bool ss_felt_compare(const ss_felt_trace *trace, const ss_felt_trace *reference,
-                     ss_felt_errors *out)
+/* More than this is a touch of what `reference` plays. */
+static double touch_of(const ss_felt_trace *reference)
 {
+    double most = 0.0;
+    for (int32_t k = 0; k < reference->count; ++k) {
+        most = fmax(most, ss_norm3(reference->force[k]));
+    }
+    return fmin(touch_n, touch_share * most);
+}
+
+static bool is_touching(const ss_felt_trace *trace, int32_t k, double touch)
+{
+    return k >= 0 && k < trace->count && ss_norm3(trace->force[k]) > touch;
+}
+
+/* The end of the contact that goes on at `k`. */
+static int32_t contact_end(const ss_felt_trace *trace, int32_t k, double touch)
+{
+    while (is_touching(trace, k, touch)) {
+        ++k;
+    }
+    return k;
+}
+
+/* By how much the contact of the reference that begins at `from` is felt late, ms: against the
+ * beginning that is nearest to it; as long as itself where there is none. */
+static int32_t lateness(const ss_felt_trace *trace, int32_t from, int32_t end, double touch)
+{
+    for (int32_t off = 0; off < end - from; ++off) {
+        for (int32_t sign = 1; sign >= -1; sign -= 2) {
+            const int32_t k = from + sign * off;
+            if (is_touching(trace, k, touch) && !is_touching(trace, k - 1, touch)) {
+                return sign * off;
+            }
+        }
+    }
+    return end - from;
+}
+
+/* Lateness and rise of the reference's contacts. */
+static void look_at_contacts(const ss_felt_trace *trace, const ss_felt_trace *reference,
+                             double touch, ss_felt_errors *out)
+{
+    for (int32_t k = 0; k < reference->count; ++k) {
+        if (!is_touching(reference, k, touch)) {
+            continue;
+        }
+        const int32_t end = contact_end(reference, k, touch);
+        double most = 0.0;
+        for (int32_t i = k; i < end; ++i) {
+            most = fmax(most, ss_norm3(reference->force[i]));
+        }
+        int32_t risen = k;
+        while (ss_norm3(reference->force[risen]) < 0.9 * most) {
+            ++risen;
+        }
+        const int32_t late = lateness(trace, k, end, touch);
+        out->touch_ms = !(fabs(out->touch_ms) > abs(late)) ? late : out->touch_ms;
+        out->rise_ms = fmin(out->rise_ms, risen - k); /* of NAN and a number: the number */
+        k = end;
+    }
+}
+
+/* Where in the reference's contacts the milliseconds are that are further off than `limit`. */
+static void place_excess(const ss_felt_trace *reference, const double *apart, double limit,
+                         double touch, int32_t settle_ms, ss_felt_errors *out)
+{
+    double count = 0.0, at_touch = 0.0, at_leaving = 0.0;
+    int32_t used = 0;
+    for (int32_t k = 0; k < reference->count; ++k) {
+        const int32_t end = contact_end(reference, k, touch);
+        for (int32_t i = k; i < end; ++i, ++used) {
+            const bool is_over = apart[used] > limit, is_young = i - k < settle_ms;
+            count += is_over;
+            at_touch += is_over && is_young;
+            at_leaving += is_over && !is_young && end - i <= settle_ms;
+        }
+        k = end;
+    }
+    out->at_touch = at_touch / count;
+    out->at_leaving = at_leaving / count;
+}
+
+bool ss_felt_compare(const ss_felt_trace *trace, const ss_felt_trace *reference,
+                     const ss_felt_question *question, ss_felt_errors *out)
+{
+    const double nan = NAN, touch = touch_of(reference);
     const int32_t count = trace->count < reference->count ? trace->count : reference->count;
+    const ss_felt_trace truth = {.count = count, .force = reference->force};
     double *apart = calloc((size_t)count + 1, sizeof *apart);
     double touching = 0.0, sum[2] = {0.0, 0.0}, most[2] = {0.0, 0.0};
     int32_t used = 0;
-    *out = (ss_felt_errors){(double)NAN, (double)NAN, (double)NAN,
-                            (double)NAN, (double)NAN, (double)NAN};
+    *out = (ss_felt_errors){nan, nan, nan, nan, nan, nan, nan, nan, nan, nan, nan};
     if (apart == NULL) {
         return false;
     }
@@ -195,7 +380,7 @@ bool ss_felt_compare(const ss_felt_trace *trace, const ss_felt_trace *reference,
             sum[i] += size[i];
             most[i] = fmax(most[i], size[i]);
         }
-        if (size[1] > touch_n) {
+        if (size[1] > touch) {
             double d[3];
             ss_sub3(d, trace->force[k], reference->force[k]);
             touching += size[1];
@@ -204,8 +389,11 @@ bool ss_felt_compare(const ss_felt_trace *trace, const ss_felt_trace *reference,
     }
     if (used > 0) {
         const double mean = touching / used;
+        look_at_contacts(trace, &truth, touch, out);
+        place_excess(&truth, apart, question->limit * mean, touch, question->settle_ms, out);
         qsort(apart, (size_t)used, sizeof *apart, ss_compare_doubles);
         out->p50 = apart[used / 2] / mean;
+        out->p95 = apart[(int32_t)(0.95 * (used - 1))] / mean;
         out->p99 = apart[(int32_t)(0.99 * (used - 1))] / mean;
         out->largest = apart[used - 1] / mean;
         out->impulse = sum[0] / sum[1] - 1.0;
@@ -214,4 +402,30 @@ bool ss_felt_compare(const ss_felt_trace *trace, const ss_felt_trace *reference,
     }
     free(apart);
     return true;
+}
+
+double ss_felt_dynamic_share(const ss_felt_trace *slow, double slowness, const ss_felt_place *place,
+                             ss_felt_path path, const ss_felt_trace *reference)
+{
+    const double touch = touch_of(reference);
+    double from_s, seconds, touching = 0.0, share = NAN;
+    int32_t used = 0;
+    double *apart = calloc((size_t)reference->count + 1, sizeof *apart);
+    ss_felt_path_last(place, path, &from_s, &seconds);
+    const int32_t first = (int32_t)round(from_s * SAMPLE_HZ);
+    for (int32_t k = first; apart && k < reference->count; ++k) {
+        const int32_t at = (int32_t)round(SETTLE_S * SAMPLE_HZ + slowness * (k - first));
+        if (at < slow->count && is_touching(reference, k, touch)) {
+            double d[3];
+            ss_sub3(d, slow->force[at], reference->force[k]);
+            touching += ss_norm3(reference->force[k]);
+            apart[used++] = ss_norm3(d);
+        }
+    }
+    if (used > 0) {
+        qsort(apart, (size_t)used, sizeof *apart, ss_compare_doubles);
+        share = apart[(int32_t)(0.95 * (used - 1))] * used / touching;
+    }
+    free(apart);
+    return share;
 }
