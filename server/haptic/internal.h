@@ -316,7 +316,7 @@ typedef struct ss_passivity_tick {
 } ss_passivity_tick;
 
 /* The energy of the contact, J, when all that was sent has reached a hand that goes on as it does.
- * 0 out of contact. */
+ */
 double ss_observer_foresee(const ss_observer *observer, const ss_passivity_tick *now);
 /* The rule K_max(tau). */
 double ss_observer_rule(const ss_haptic_config *config, double delay, bool corrects);
@@ -329,7 +329,9 @@ typedef struct ss_passivity {
     int64_t contact;  /* that it belongs to */
     int64_t since;    /* ticks, the last back-off */
     int64_t backoffs; /* so far */
-    int64_t actions;  /* ticks so far that were damped */
+    int64_t actions;  /* ticks so far that were damped or bounded */
+    double lent;      /* J: to the contact, by time */
+    double bound;     /* N: that the last force was held to; INFINITY: none */
 } ss_passivity;
 
 void ss_passivity_init(ss_passivity *passivity);
@@ -340,7 +342,7 @@ void ss_passivity_step(ss_passivity *passivity, const ss_observer *observer, dou
                        bool is_in_contact);
 /* K_max that is left. */
 double ss_passivity_limit(const ss_passivity *passivity, const ss_observer *observer);
-/* Damps `force` where the contact is about to hand out energy; true when it did. */
+/* Damps or bounds `force` where the contact is about to hand out energy; true when it did. */
 bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
                        const ss_passivity_tick *now, double force[3]);
 

@@ -124,16 +124,24 @@ static void add_energy(ss_observer *observer, const double force[3], const doubl
     observer->worst = fmin(observer->worst, observer->energy);
 }
 
+/* How many of the last forces the device had not yet, or not to the end, when it sent its pose. */
+static int32_t forces_under_way(const ss_observer *observer, double period)
+{
+    const double most = SS_DELAY_BUCKETS * BUCKET_WIDTH / period;
+    const double count = find_force(observer, observer->force_seq) != NULL
+                             ? (double)observer->last_seq - (double)observer->force_seq + 1.0
+                             : observer->delay_p95 / period;
+    return (int32_t)fmin(count, fmin(most, SS_FORCE_HISTORY - 1));
+}
+
 double ss_observer_foresee(const ss_observer *observer, const ss_passivity_tick *now)
 {
-    if (!observer->is_in_contact) {
-        return 0.0;
-    }
-    const int32_t ticks = (int32_t)fmin(observer->delay_p95 / now->period, SS_FORCE_HISTORY - 1);
-    double energy = observer->energy;
+    const int32_t ticks = forces_under_way(observer, now->period);
+    /* A contact may begin with what is under way. */
+    double energy = observer->is_in_contact ? observer->energy : 0.0;
     for (int32_t k = 0; k < ticks; ++k) {
-        /* The force in effect k ticks from now: sent a loop's delay before, or the last one as a
-         * client that corrects will have it. */
+        /* In effect k ticks after the pose: each in its turn, or the last one as a client that
+         * corrects will have it. */
         const ss_past_force *record =
             find_force(observer, observer->last_seq - (now->corrects ? 0 : ticks - 1 - k));
         if (record != NULL) {

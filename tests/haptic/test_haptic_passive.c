@@ -63,6 +63,11 @@ TEST(a_late_bus_hands_out_little)
         {SS_SCRIPT_TAP, SS_BODY_LIGHT, SS_GRIP_SOFT, 150, 1000, 10, true, 0.05},
         {SS_SCRIPT_SLIDE, SS_BODY_MEDIUM, SS_GRIP_SOFT, 3000, 1000, 10, true, 0},
         {SS_SCRIPT_SLIDE, SS_BODY_MEDIUM, SS_GRIP_SOFT, 3000, 1000, 10, true, 0.05},
+        {SS_SCRIPT_TAP, SS_BODY_LIGHT, SS_GRIP_MEDIUM, 50, 1000, 10, false, 0.05},
+        {SS_SCRIPT_TAP, SS_BODY_LIGHT, SS_GRIP_SOFT, 3000, 60, 1, false, 0.05},
+        {SS_SCRIPT_TAP, SS_BODY_HEAVY, SS_GRIP_MEDIUM, 50, 1000, 0, false, 0.05},
+        {SS_SCRIPT_TAP, SS_BODY_LIGHT, SS_GRIP_SOFT, 50, 1000, 5, false, 0},
+        {SS_SCRIPT_POKE, SS_BODY_MEDIUM, SS_GRIP_SOFT, 50, 60, 5, false, 0.05},
     };
     for (size_t k = 0; k < FULL_IN_RELEASE(sizeof rows / sizeof *rows, 2); ++k) {
         ss_hand_outcome out;
@@ -133,8 +138,10 @@ TEST(damping_takes_the_debt_and_never_pulls)
         ss_observer *observer = touching_observer(rows[k].energy, rows[k].delay);
         ss_passivity passivity;
         ss_passivity_init(&passivity);
-        const ss_passivity_tick now = {
-            .period = T, .velocity = {0, 0, rows[k].speed}, .is_grasping = rows[k].is_grasping};
+        const ss_passivity_tick now = {.period = T,
+                                       .velocity = {0, 0, rows[k].speed},
+                                       .corrects = true,
+                                       .is_grasping = rows[k].is_grasping};
         double force[3] = {0.0, 0.0, rows[k].force};
         ss_passivity_damp(&passivity, observer, &now, force);
         if (fabs(force[2] - rows[k].expected) > 1e-9) {
@@ -170,8 +177,85 @@ TEST(what_is_on_its_way_counts)
     now.corrects = true;
     now.stiffness = 1000.0;
     assert_near(ss_observer_foresee(observer, &now), 1e-3 - 15.5e-4, 1e-12);
+    /* A contact may begin with what is on its way. */
     observer->is_in_contact = false;
-    assert_near(ss_observer_foresee(observer, &now), 0.0, 0.0);
+    assert_near(ss_observer_foresee(observer, &now), -15.5e-4, 1e-12);
+    /* A device that tells what it had when it sent its pose: 3 are newer. */
+    now.corrects = false;
+    observer->force_seq = 97;
+    assert_near(ss_observer_foresee(observer, &now), -4 * 0.2e-3, 1e-12);
+    observer->force_seq = 100;
+    assert_near(ss_observer_foresee(observer, &now), -0.2e-3, 1e-12);
+    free(observer);
+}
+
+/* Behind a long loop, tau = 10 ms, K_max = 400 N/m: 0.3 F |v| tau + F^2/800 <= E + 0.2 mJ. */
+TEST(a_late_force_is_no_more_than_was_paid_for)
+{
+    static const struct {
+        const char *what;
+        double energy, delay, speed, expected;
+        bool is_grasping, corrects;
+    } rows[] = {
+        {"in, paid", 10e-3, 10e-3, -0.1, 2.0, false, false},
+        {"at rest, paid", 4.8e-3, 10e-3, 0.0, 2.0, false, false},
+        {"at rest", 0.6e-3, 10e-3, 0.0, 0.8, false, false},
+        {"in", 2.96e-3 - 0.2e-3, 10e-3, -0.5, 1.05226, false, false},
+        {"out", 2.96e-3 - 0.2e-3, 10e-3, 0.5, 1.05226, false, false},
+        {"a debt", -1e-3, 10e-3, 0.1, 0.0, false, false},
+        {"near", 0.6e-3, 3e-3, 0.1, 2.0, false, false},
+        {"in a grasp", 0.6e-3, 10e-3, 0.1, 2.0, true, false},
+        {"corrected", 0.6e-3, 10e-3, 0.1, 2.0, false, true},
+    };
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
+        ss_observer *observer = touching_observer(rows[k].energy, rows[k].delay);
+        ss_passivity passivity;
+        ss_passivity_init(&passivity);
+        observer->is_known = true;
+        const ss_passivity_tick now = {.period = T,
+                                       .velocity = {0, 0, rows[k].speed},
+                                       .corrects = rows[k].corrects,
+                                       .is_grasping = rows[k].is_grasping};
+        double force[3] = {0.0, 0.0, 2.0};
+        ss_passivity_damp(&passivity, observer, &now, force);
+        if (fabs(force[2] - rows[k].expected) > 1e-3) {
+            fail_msg("%s: %.9g, not %g", rows[k].what, force[2], rows[k].expected);
+        }
+        free(observer);
+    }
+}
+
+/* What a message lets go while the hand comes out stays bounded; a hand at rest is lent the whole
+ * force of what others do to the tissue. */
+TEST(a_bound_stays_on_the_way_out_and_goes_at_rest)
+{
+    ss_observer *observer = touching_observer(0.6e-3, 10e-3);
+    ss_passivity passivity;
+    ss_passivity_init(&passivity);
+    observer->is_known = true;
+    ss_passivity_tick now = {.period = T, .velocity = {0, 0, 0.05}};
+    double force[3] = {0.0, 0.0, 2.0};
+    ss_passivity_damp(&passivity, observer, &now, force);
+    const double bound = force[2];
+    assert_true(bound > 0.1 && bound < 0.8);
+    observer->energy = 10e-3;
+    ss_set3(force, 0.0, 0.0, 2.0);
+    ss_passivity_damp(&passivity, observer, &now, force);
+    assert_near(force[2], bound, 1e-12);
+    now.velocity[2] = -0.05;
+    ss_set3(force, 0.0, 0.0, 2.0);
+    ss_passivity_damp(&passivity, observer, &now, force);
+    assert_near(force[2], 2.0, 0.0);
+    observer->energy = -5e-3;
+    now.velocity[2] = 0.0;
+    double last = 0.0;
+    for (int n = 0; n < 2000; ++n) {
+        ss_set3(force, 0.0, 0.0, 2.0);
+        ss_passivity_damp(&passivity, observer, &now, force);
+        assert_true(force[2] >= last);
+        last = force[2];
+    }
+    assert_true(last > 1.8);
     free(observer);
 }
 
