@@ -7,6 +7,9 @@
 static const double MEMORY_S = 1.0;
 static const int32_t NEWCOMERS_PART = 4; /* one in so many */
 static const double LEFT_PART = 0.5;
+/* What known ones do not use, newcomers may. Half of the other half is still more than one may say
+ * (net.c). */
+static const double LENT_PART = 0.5;
 
 ss_senders ss_senders_make(int32_t one_per_s, int32_t all_per_s)
 {
@@ -75,10 +78,13 @@ ss_senders_verdict ss_senders_hear(ss_senders *senders, uint64_t source, int64_t
         ++senders->said_by_known;
         return SS_SENDERS_HEARD;
     }
-    if (ss_budget_left(&senders->newcomers, now_ns) < 1) {
+    if (ss_budget_left(&senders->newcomers, now_ns) >= 1) {
+        ss_budget_spend(&senders->newcomers, 1);
+    } else if (senders->said_by_known < LENT_PART * senders->known) {
+        ++senders->said_by_known;
+    } else {
         return SS_SENDERS_NEW;
     }
-    ss_budget_spend(&senders->newcomers, 1);
     const int32_t place = find_place(senders);
     senders->source[place] = source;
     senders->said[place] = 0.0;

@@ -13,7 +13,8 @@
  * at once (A. Choudhury, E. Hahne, Dynamic queue length thresholds for shared-memory packet
  * switches, IEEE/ACM Trans. Networking 6(2), 1998).
  *
- * The first message of somebody new comes out of another budget, which known ones cannot spend.
+ * The first message of somebody new comes out of another budget, which known ones cannot spend, or
+ * out of the half of theirs that they leave.
  * It is known then, in the place of who has said least; the first message does not count. So
  * SS_SENDERS who flood, however slowly, keep no newcomer out. Ever new addresses do, as far as
  * their share of all newcomers goes, since nothing tells an honest one from them; but newcomers
@@ -36,10 +37,10 @@ typedef enum ss_senders_verdict {
 } ss_senders_verdict;
 
 typedef struct ss_senders {
-    double one, known;   /* parameters: messages in about a second, of one and of all known */
-    ss_budget newcomers; /* first messages */
-    double said_by_known;
-    int64_t now_ns; /* what was said counts as of then */
+    double one, known;    /* parameters: messages in about a second, of one and of all known */
+    ss_budget newcomers;  /* first messages */
+    double said_by_known; /* and by newcomers at their expense */
+    int64_t now_ns;       /* what was said counts as of then */
     int32_t count, turn;
     uint64_t source[SS_SENDERS]; /* address and port */
     double said[SS_SENDERS];     /* but for the first message */

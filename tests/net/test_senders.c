@@ -125,26 +125,34 @@ TEST(all_together_are_bounded)
     }
 }
 
-/* Who goes on under another number with each message is a newcomer among newcomers: the known ones
- * lose nothing, and all together are bounded. */
+/* Who goes on under another number with each message is a newcomer among newcomers: those who are
+ * known lose nothing, whether they speak now and then or as often as they may. */
 TEST(ever_new_numbers_take_nothing_from_known_ones)
 {
+    enum { RARE = 1, OFTEN, SECONDS = 20 };
     ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
-    const int seconds = 20;
-    int64_t heard = 0;
     uint64_t number = NEWCOMER;
-    assert_true(say(&senders, 1, START));
-    assert_true(say(&senders, 1, START));
-    for (int i = 0; i < seconds * 10000; ++i) {
+    int64_t heard = 0;
+    for (uint64_t known = RARE; known <= OFTEN; ++known) {
+        assert_true(say(&senders, known, START));
+        assert_true(say(&senders, known, START));
+    }
+    for (int i = 0; i < SECONDS * 10000; ++i) {
         const int64_t now_ns = START + i * 1000 * MS / 10000;
         const ss_senders_verdict verdict = ss_senders_hear(&senders, number++, now_ns);
         assert_int_not_equal(verdict, SS_SENDERS_OVER);
         heard += verdict == SS_SENDERS_HEARD;
-        if (i % 50000 == 0) { /* once in five seconds */
-            assert_true(say(&senders, 1, now_ns));
+        if (i % 50000 == 0) {
+            assert_true(say(&senders, RARE, now_ns));
+        }
+        if (i % 110 == 0) {
+            assert_true(say(&senders, OFTEN, now_ns));
         }
     }
-    assert_in_range(heard, 1, SS_SENDERS + seconds * NEWCOMERS_PER_S);
+    /* Their own, and what the known ones leave of half of theirs. */
+    const int32_t half = (ALL_PER_S - NEWCOMERS_PER_S) / 2;
+    assert_in_range(heard, SECONDS * (NEWCOMERS_PER_S + half - ONE_PER_S),
+                    SS_SENDERS + SECONDS * (NEWCOMERS_PER_S + half));
 }
 
 /* With two messages of each it does take places, and still no more than the bound. */
