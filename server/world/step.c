@@ -17,10 +17,15 @@
  */
 
 static const double LAG_PERIODS = 1.0;
-static const double NEAR_M = 0.005;       /* contacts are published before touching from here on */
-static const double MAX_TOOL_SPEED = 3.0; /* m/s */
-static const double MAX_TOOL_TURN = 50.0; /* rad/s */
-static const double PLACE_SHARE = 0.1;    /* of the tool: deeper, and it is let in by fading */
+/* Contacts are published before touching from here on, and from as far as a hand that sets off may
+ * come by the time of the next result, beyond where its speed brings it. Without that, at 60 and
+ * 100 Hz, a hand that set off at 2 m/s was in the tissue before the haptic loop knew of any, and
+ * the next step swept the tool there: 270 mJ at a limit of 0.5 N. */
+static const double NEAR_M = 0.005;
+static const double HAND_ACCELERATION = 100.0; /* m/s^2 */
+static const double MAX_TOOL_SPEED = 3.0;      /* m/s */
+static const double MAX_TOOL_TURN = 50.0;      /* rad/s */
+static const double PLACE_SHARE = 0.1;         /* of the tool: deeper, and it is let in by fading */
 static const double PLACE_CHECK_PERIOD = 0.02; /* s: how often a tool without a place is checked */
 /* A search visits all triangles up to 66 times (0.1 ms each at 14,000), up to 19 times in a step.
  * After a failure the wait doubles, up to this, s. */
@@ -239,7 +244,9 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
     ss_copy3(out->velocity, velocity);
     out->is_found_inside = probe->is_found_inside;
     ss_copy3(out->outward, probe->outward);
-    const double near = NEAR_M + ss_norm3(velocity) * (LAG_PERIODS + 1.0) * world->step_period;
+    const double span = (LAG_PERIODS + 1.0) * world->step_period;
+    const double near =
+        fmax(NEAR_M, 0.5 * HAND_ACCELERATION * span * span) + ss_norm3(velocity) * span;
     world->model_class->contacts(world->model, p, near, &out->set);
     note_touch(world, probe);
 }
