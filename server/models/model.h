@@ -163,6 +163,19 @@ typedef struct ss_model_class {
 softsim_status ss_model_create(const ss_model_class *model_class, const ss_model_plan *plan,
                                ss_model **out_model, softsim_error *error);
 
+/* Begins a step of `dt` s: good until something is found. False where there is none to make.
+ * RT-safe.
+ */
+static inline bool ss_model_begin(softsim_verdict *verdict, const char **reason, double dt)
+{
+    if (*verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
+        return false;
+    }
+    *verdict = SOFTSIM_VERDICT_GOOD;
+    *reason = "";
+    return true;
+}
+
 /* Where a tool stands after a step that went `travelled` of the way. RT-safe. */
 void ss_model_reached(const ss_model_tool *tool, double travelled, ss_tool_pose *out);
 

@@ -30,26 +30,15 @@ SOFTSIM_SERVER_STATUS_LIST(SCALAR, ARRAY, TEXT)
 #undef ARRAY
 #undef TEXT
 
-void ss_status_to_wire(const softsim_server_status *status, softsim_server_status_t *out_wire)
+#define SCALAR(type, name, line, text)       to->name = from->name;
+#define ARRAY(type, name, count, line, text) memcpy(to->name, from->name, sizeof from->name);
+#define TEXT(name, line)                     to->name = (char *)(uintptr_t)from->name;
+void ss_status_to_wire(const softsim_server_status *from, softsim_server_status_t *to)
 {
-#define SCALAR(type, name, line, text) out_wire->name = status->name;
-#define ARRAY(type, name, count, line, text)                                                       \
-    memcpy(out_wire->name, status->name, sizeof status->name);
-#define TEXT(name, line) out_wire->name = (char *)(uintptr_t)status->name;
     SOFTSIM_SERVER_STATUS_LIST(SCALAR, ARRAY, TEXT)
-#undef SCALAR
-#undef ARRAY
-#undef TEXT
 }
 
-void ss_status_from_wire(const softsim_server_status_t *wire, softsim_server_status *out_status)
+void ss_status_from_wire(const softsim_server_status_t *from, softsim_server_status *to)
 {
-#define SCALAR(type, name, line, text) out_status->name = wire->name;
-#define ARRAY(type, name, count, line, text)                                                       \
-    memcpy(out_status->name, wire->name, sizeof wire->name);
-#define TEXT(name, line) out_status->name = wire->name;
     SOFTSIM_SERVER_STATUS_LIST(SCALAR, ARRAY, TEXT)
-#undef SCALAR
-#undef ARRAY
-#undef TEXT
 }

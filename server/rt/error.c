@@ -13,41 +13,27 @@
 enum { MORE_SIZE = 48 };
 #define MORE_FORMAT "(and %d more faults)"
 
-const char *softsim_status_name(softsim_status status)
-{
-    switch (status) {
-#define X(name, value, text)                                                                       \
+/* What each of a list is called. */
+#define LOOK_UP(function, type, LIST, CASE, otherwise)                                             \
+    const char *function(type value)                                                               \
+    {                                                                                              \
+        switch (value) {                                                                           \
+            LIST(CASE)                                                                             \
+        }                                                                                          \
+        return otherwise;                                                                          \
+    }
+#define STATUS_NAME(name, value, text)                                                             \
     case SOFTSIM_##name:                                                                           \
         return #name;
-        SOFTSIM_STATUS_LIST(X)
-#undef X
-    }
-    return "UNKNOWN";
-}
-
-const char *softsim_status_text(softsim_status status)
-{
-    switch (status) {
-#define X(name, value, text)                                                                       \
+#define STATUS_TEXT(name, value, text)                                                             \
     case SOFTSIM_##name:                                                                           \
         return text;
-        SOFTSIM_STATUS_LIST(X)
-#undef X
-    }
-    return "unknown status";
-}
-
-const char *softsim_verdict_name(softsim_verdict verdict)
-{
-    switch (verdict) {
-#define X(name, value, text)                                                                       \
+#define VERDICT_NAME(name, value, text)                                                            \
     case SOFTSIM_VERDICT_##name:                                                                   \
         return text;
-        SOFTSIM_VERDICT_LIST(X)
-#undef X
-    }
-    return "unknown";
-}
+LOOK_UP(softsim_status_name, softsim_status, SOFTSIM_STATUS_LIST, STATUS_NAME, "UNKNOWN")
+LOOK_UP(softsim_status_text, softsim_status, SOFTSIM_STATUS_LIST, STATUS_TEXT, "unknown status")
+LOOK_UP(softsim_verdict_name, softsim_verdict, SOFTSIM_VERDICT_LIST, VERDICT_NAME, "unknown")
 
 const char *softsim_refusal_name(softsim_refusal refusal)
 {

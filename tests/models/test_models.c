@@ -96,39 +96,22 @@ TEST(every_row_has_a_default_within_its_bounds_and_a_help)
 
 typedef void (*spoil)(setup *s);
 
-static void no_modulus(setup *s)
-{
-    s->param[SS_CNN_MODULUS_J].is_given = false;
-}
-static void two_moduli(setup *s)
-{
-    give(s, "modulus_n_per_m", 10.0);
-}
-static void mixed_kinds(setup *s)
-{
-    give(s, "mass_kg", 1.0);
-}
-static void missing_mass(setup *s)
-{
-    s->param[SS_CNN_AREA_DENSITY].is_given = false;
-}
-static void negative_damping(setup *s)
-{
-    give(s, "damping_n_s_per_m3", -1.0);
-}
-static void not_a_number(setup *s)
-{
-    give(s, "rest_stiffness_n_per_m3", (double)NAN);
-}
-static void free_with_pretension(setup *s)
-{
-    memset(s->fixed, 0, (size_t)s->mesh->node_count);
-}
-static void held_in_a_line(setup *s)
-{
-    memset(s->fixed, 0, (size_t)s->mesh->node_count);
-    s->fixed[0] = s->fixed[1] = 7;
-}
+/* Spoils what is good. */
+#define SPOIL(name, ...)                                                                           \
+    static void name(setup *s)                                                                     \
+    {                                                                                              \
+        __VA_ARGS__;                                                                               \
+    }
+
+SPOIL(no_modulus, s->param[SS_CNN_MODULUS_J].is_given = false)
+SPOIL(two_moduli, give(s, "modulus_n_per_m", 10.0))
+SPOIL(mixed_kinds, give(s, "mass_kg", 1.0))
+SPOIL(missing_mass, s->param[SS_CNN_AREA_DENSITY].is_given = false)
+SPOIL(negative_damping, give(s, "damping_n_s_per_m3", -1.0))
+SPOIL(not_a_number, give(s, "rest_stiffness_n_per_m3", (double)NAN))
+SPOIL(free_with_pretension, memset(s->fixed, 0, (size_t)s->mesh->node_count))
+SPOIL(held_in_a_line, memset(s->fixed, 0, (size_t)s->mesh->node_count);
+      s->fixed[0] = s->fixed[1] = 7)
 static void load_on_fixed(setup *s)
 {
     static int32_t node;
@@ -141,11 +124,7 @@ static void load_outside(setup *s)
     static int32_t node = 100000;
     s->load[0].node = &node;
 }
-static void pressure_without_triangles(setup *s)
-{
-    s->load[0].is_pressure = true;
-    s->load[0].pressure = 1.0;
-}
+SPOIL(pressure_without_triangles, s->load[0].is_pressure = true; s->load[0].pressure = 1.0)
 static void soft_contact(setup *s)
 {
     static double rho[1000];
@@ -165,47 +144,15 @@ static void prescribed_and_fixed(setup *s)
     s->plan.prescribed_count = 1;
 }
 
-static void volume_on_a_surface(setup *s)
-{
-    give(s, "domain", 1.0);
-}
-static void volume_rows_on_a_surface(setup *s)
-{
-    give(s, "density_kg_m3", 1000.0);
-}
-static void volume_modulus_on_a_surface(setup *s)
-{
-    give(s, "modulus_pa", 1000.0);
-}
-static void huge_modulus(setup *s)
-{
-    give(s, "modulus_j", 1e10);
-}
-static void rho_thrice(setup *s)
-{
-    give(s, "rho", 0.5);
-    give(s, "rho_direction", 1.0);
-    give(s, "rho_across", 1.0);
-}
-static void rho_across_alone(setup *s)
-{
-    give(s, "rho_across", 1.0);
-    give_direction(s, 1.0, 0.0, 0.0);
-}
-static void direction_alone(setup *s)
-{
-    give_direction(s, 1.0, 0.0, 0.0);
-}
-static void no_direction(setup *s)
-{
-    give(s, "rho_direction", 1.0);
-    give(s, "rho_across", 2.0);
-}
-static void long_direction(setup *s)
-{
-    no_direction(s);
-    give_direction(s, 1.0, 1.0, 0.0);
-}
+SPOIL(volume_on_a_surface, give(s, "domain", 1.0))
+SPOIL(volume_rows_on_a_surface, give(s, "density_kg_m3", 1000.0))
+SPOIL(volume_modulus_on_a_surface, give(s, "modulus_pa", 1000.0))
+SPOIL(huge_modulus, give(s, "modulus_j", 1e10))
+SPOIL(rho_thrice, give(s, "rho", 0.5); give(s, "rho_direction", 1.0); give(s, "rho_across", 1.0))
+SPOIL(rho_across_alone, give(s, "rho_across", 1.0); give_direction(s, 1.0, 0.0, 0.0))
+SPOIL(direction_alone, give_direction(s, 1.0, 0.0, 0.0))
+SPOIL(no_direction, give(s, "rho_direction", 1.0); give(s, "rho_across", 2.0))
+SPOIL(long_direction, no_direction(s); give_direction(s, 1.0, 1.0, 0.0))
 static void bad_rho_across(setup *s)
 {
     static double rho[1000];
@@ -290,19 +237,10 @@ static void setup_volume(setup *s, int32_t *top)
     push(s, top, 0.05, 0.0, 0.0);
 }
 
-static void surface_rows_in_a_volume(setup *s)
-{
-    give(s, "rest_stiffness_n_per_m3", 1.0);
-}
-static void node_rows_in_a_volume(setup *s)
-{
-    give(s, "per_area", 0.0);
-}
-static void surface_modulus_in_a_volume(setup *s)
-{
-    s->param[SS_CNN_MODULUS_PA].is_given = false;
-    give(s, "modulus_n_per_m", 5.0);
-}
+SPOIL(surface_rows_in_a_volume, give(s, "rest_stiffness_n_per_m3", 1.0))
+SPOIL(node_rows_in_a_volume, give(s, "per_area", 0.0))
+SPOIL(surface_modulus_in_a_volume, s->param[SS_CNN_MODULUS_PA].is_given = false;
+      give(s, "modulus_n_per_m", 5.0))
 static void load_inside(setup *s)
 {
     static int32_t node = (1 * 4 + 2) * 4 + 1;
@@ -320,11 +258,7 @@ static void surface_of_a_volume(setup *s)
     give(s, "damping_n_s_per_m3", 1725.0);
     give(s, "rest_stiffness_n_per_m3", 5e4);
 }
-static void load_below_the_surface(setup *s)
-{
-    surface_of_a_volume(s);
-    load_inside(s);
-}
+SPOIL(load_below_the_surface, surface_of_a_volume(s); load_inside(s))
 static void held_inside_alone(setup *s)
 {
     surface_of_a_volume(s);
@@ -335,10 +269,7 @@ static void held_inside_alone(setup *s)
         s->fixed[i] = is_inside ? 7 : 0;
     }
 }
-static void volume_without_direction(setup *s)
-{
-    no_direction(s);
-}
+SPOIL(volume_without_direction, no_direction(s))
 
 static void directions_of_tetrahedra_on_the_surface(setup *s)
 {

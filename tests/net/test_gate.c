@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/pose_fixture.h"
 #include "net/net.h"
 
 static const int64_t MS = 1000000;
@@ -29,11 +30,8 @@ static softsim_pose pose_make(int64_t sender, int32_t seq, int64_t now_ns)
     return (softsim_pose){.utime_us = (now_ns - 1 * MS) / 1000 - 7000000,
                           .sender = sender,
                           .seq = seq,
-                          .force_seq = -1,
                           .position = {0.1, 0.2, 0.3},
-                          .orientation = {1, 0, 0, 0},
-                          .velocity = {UNKNOWN, UNKNOWN, UNKNOWN},
-                          .applied_force = {UNKNOWN, UNKNOWN, UNKNOWN}};
+                          PLAIN_POSE};
 }
 
 static softsim_refusal judge(ss_gate *gate, const softsim_pose *pose, int64_t now_ns)
@@ -50,94 +48,34 @@ static softsim_refusal offer(ss_gate *gate, int64_t sender, int32_t seq, int64_t
     return ss_gate_judge(gate, &pose, 0, now_ns, out_epoch);
 }
 
-static void set_nan_position(softsim_pose *p)
-{
-    p->position[1] = UNKNOWN;
-}
-static void set_infinite_position(softsim_pose *p)
-{
-    p->position[2] = -HUGE_VAL;
-}
-static void set_nan_orientation(softsim_pose *p)
-{
-    p->orientation[3] = UNKNOWN;
-}
-static void set_zero_orientation(softsim_pose *p)
-{
-    p->orientation[0] = 0.0;
-}
-static void set_long_orientation(softsim_pose *p)
-{
-    p->orientation[0] = 1.0011;
-}
-static void set_short_orientation(softsim_pose *p)
-{
-    p->orientation[0] = 0.9989;
-}
-static void set_nearly_unit(softsim_pose *p)
-{
-    p->orientation[0] = 1.0009;
-}
-static void set_huge_orientation(softsim_pose *p)
-{
-    p->orientation[0] = 1e300;
-}
-static void set_known_velocity(softsim_pose *p)
-{
-    p->velocity[0] = p->velocity[1] = p->velocity[2] = 0.5;
-}
-static void set_partial_velocity(softsim_pose *p)
-{
-    p->velocity[1] = 0.0;
-}
-static void set_infinite_velocity(softsim_pose *p)
-{
-    set_known_velocity(p);
-    p->velocity[2] = HUGE_VAL;
-}
-static void set_absurd_velocity(softsim_pose *p)
-{
-    set_known_velocity(p);
-    p->velocity[0] = -1e4;
-}
-static void set_known_force(softsim_pose *p)
-{
-    p->applied_force[0] = p->applied_force[1] = p->applied_force[2] = -3.0;
-}
-static void set_partial_force(softsim_pose *p)
-{
-    p->applied_force[0] = 0.0;
-}
-static void set_infinite_force(softsim_pose *p)
-{
-    set_known_force(p);
-    p->applied_force[0] = HUGE_VAL;
-}
-static void set_absurd_force(softsim_pose *p)
-{
-    set_known_force(p);
-    p->applied_force[1] = 1e9;
-}
-static void set_other_probe(softsim_pose *p)
-{
-    p->probe = 2;
-}
-static void set_negative_probe(softsim_pose *p)
-{
-    p->probe = -1;
-}
-static void set_far_away(softsim_pose *p)
-{
-    p->position[0] = 101.0;
-}
-static void set_edge_of_world(softsim_pose *p)
-{
-    p->position[0] = -99.0;
-}
-static void set_nothing(softsim_pose *p)
-{
-    (void)p;
-}
+/* Changes a good pose. */
+#define CHANGE(name, ...)                                                                          \
+    static void name(softsim_pose *p)                                                              \
+    {                                                                                              \
+        __VA_ARGS__;                                                                               \
+    }
+
+CHANGE(set_nan_position, p->position[1] = UNKNOWN)
+CHANGE(set_infinite_position, p->position[2] = -HUGE_VAL)
+CHANGE(set_nan_orientation, p->orientation[3] = UNKNOWN)
+CHANGE(set_zero_orientation, p->orientation[0] = 0.0)
+CHANGE(set_long_orientation, p->orientation[0] = 1.0011)
+CHANGE(set_short_orientation, p->orientation[0] = 0.9989)
+CHANGE(set_nearly_unit, p->orientation[0] = 1.0009)
+CHANGE(set_huge_orientation, p->orientation[0] = 1e300)
+CHANGE(set_known_velocity, p->velocity[0] = p->velocity[1] = p->velocity[2] = 0.5)
+CHANGE(set_partial_velocity, p->velocity[1] = 0.0)
+CHANGE(set_infinite_velocity, set_known_velocity(p); p->velocity[2] = HUGE_VAL)
+CHANGE(set_absurd_velocity, set_known_velocity(p); p->velocity[0] = -1e4)
+CHANGE(set_known_force, p->applied_force[0] = p->applied_force[1] = p->applied_force[2] = -3.0)
+CHANGE(set_partial_force, p->applied_force[0] = 0.0)
+CHANGE(set_infinite_force, set_known_force(p); p->applied_force[0] = HUGE_VAL)
+CHANGE(set_absurd_force, set_known_force(p); p->applied_force[1] = 1e9)
+CHANGE(set_other_probe, p->probe = 2)
+CHANGE(set_negative_probe, p->probe = -1)
+CHANGE(set_far_away, p->position[0] = 101.0)
+CHANGE(set_edge_of_world, p->position[0] = -99.0)
+CHANGE(set_nothing, (void)p)
 
 TEST(each_first_pose_is_judged_by_its_fault)
 {

@@ -22,6 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "common/pose_fixture.h"
 #include "rt/random.h"
 #include "softsim_command_t.h"
 #include "softsim_contact_force_t.h"
@@ -103,11 +104,8 @@ static softsim_probe_pose_t good_pose(int64_t sender, int32_t seq)
     return (softsim_probe_pose_t){.utime = now_ns() / 1000,
                                   .sender = sender,
                                   .seq = seq,
-                                  .force_seq = -1,
                                   .position = {0, 0, 0.3},
-                                  .orientation = {1, 0, 0, 0},
-                                  .velocity = {NAN, NAN, NAN},
-                                  .applied_force = {NAN, NAN, NAN}};
+                                  PLAIN_POSE};
 }
 
 static void put_pose(packet *p, const char *channel, const softsim_probe_pose_t *pose)
@@ -154,22 +152,16 @@ static void pose_hash(packet *p)
     p->byte[24] ^= 0xff; /* 8 head, 16 channel */
 }
 
-static void pose_short(packet *p)
-{
-    pose_good(p);
-    p->size -= 1 + (int)(ss_random_next(&random_state) % 100);
-}
+/* A packet, in a line or two. */
+#define BUILD(name, ...)                                                                           \
+    static void name(packet *p)                                                                    \
+    {                                                                                              \
+        __VA_ARGS__;                                                                               \
+    }
 
-static void pose_long(packet *p)
-{
-    pose_good(p);
-    put_zeros(p, BIG);
-}
-
-static void pose_empty(packet *p)
-{
-    start(p, "SOFTSIM_PROBE_0");
-}
+BUILD(pose_short, pose_good(p); p->size -= 1 + (int)(ss_random_next(&random_state) % 100))
+BUILD(pose_long, pose_good(p); put_zeros(p, BIG))
+BUILD(pose_empty, start(p, "SOFTSIM_PROBE_0"))
 
 static void pose_random(packet *p)
 {
@@ -191,35 +183,13 @@ static void put_command(packet *p, const char *name, const char *argument)
     p->size += softsim_command_t_encode(p->byte, p->size, room(p), &command);
 }
 
-static void command_status(packet *p)
-{
-    put_command(p, "status", "");
-}
-
-static void command_refresh(packet *p)
-{
-    put_command(p, "refresh", "");
-}
-
-static void command_reset(packet *p)
-{
-    put_command(p, "reset", "");
-}
-
-static void command_pause(packet *p)
-{
-    put_command(p, number % 2 == 1 ? "pause" : "resume", "");
-}
-
-static void command_set(packet *p)
-{
-    put_command(p, "set", number % 2 == 1 ? "haptic.max_force_n=1" : "haptic.max_force_n=8");
-}
-
-static void command_unknown(packet *p)
-{
-    put_command(p, "dance", "tango");
-}
+BUILD(command_status, put_command(p, "status", ""))
+BUILD(command_refresh, put_command(p, "refresh", ""))
+BUILD(command_reset, put_command(p, "reset", ""))
+BUILD(command_pause, put_command(p, number % 2 == 1 ? "pause" : "resume", ""))
+BUILD(command_set,
+      put_command(p, "set", number % 2 == 1 ? "haptic.max_force_n=1" : "haptic.max_force_n=8"))
+BUILD(command_unknown, put_command(p, "dance", "tango"))
 
 static void command_malformed(packet *p)
 {
@@ -227,16 +197,8 @@ static void command_malformed(packet *p)
     p->byte[p->size - 13] = 0x7f; /* the length of its name */
 }
 
-static void command_long(packet *p)
-{
-    command_status(p);
-    put_zeros(p, BIG);
-}
-
-static void command_shutdown(packet *p)
-{
-    put_command(p, "shutdown", "");
-}
+BUILD(command_long, command_status(p); put_zeros(p, BIG))
+BUILD(command_shutdown, put_command(p, "shutdown", ""))
 
 static void put_status(packet *p, int cut)
 {
@@ -250,15 +212,8 @@ static void put_status(packet *p, int cut)
     p->size += softsim_server_status_t_encode(p->byte, p->size, room(p), &status) - cut;
 }
 
-static void status_good(packet *p)
-{
-    put_status(p, 0);
-}
-
-static void status_short(packet *p)
-{
-    put_status(p, 20);
-}
+BUILD(status_good, put_status(p, 0))
+BUILD(status_short, put_status(p, 20))
 
 static void force_fake(packet *p)
 {
@@ -276,44 +231,17 @@ static void reply_fake(packet *p)
     p->size += softsim_reply_t_encode(p->byte, p->size, room(p), &reply);
 }
 
-static void topology_fake(packet *p)
-{
-    start(p, "SOFTSIM_MESH_TOPOLOGY");
-    put_zeros(p, BIG);
-}
+BUILD(topology_fake, start(p, "SOFTSIM_MESH_TOPOLOGY"); put_zeros(p, BIG))
+BUILD(delta_fake, start(p, "SOFTSIM_MESH_DELTA"); put_zeros(p, 1000))
+BUILD(fragment_first, start_fragment(p, 100000, 0, 0, 2); put(p, "SOFTSIM_PROBE_0", 16);
+      put_zeros(p, 1000))
 
-static void delta_fake(packet *p)
-{
-    start(p, "SOFTSIM_MESH_DELTA");
-    put_zeros(p, 1000);
-}
+BUILD(fragment_middle, start_fragment(p, 100000, 50000, 1, 3); put_zeros(p, 1000))
+BUILD(fragment_many, start_fragment(p, 100000, 0, 0, 65535); put(p, "SOFTSIM_PROBE_0", 16);
+      put_zeros(p, 100))
 
-static void fragment_first(packet *p)
-{
-    start_fragment(p, 100000, 0, 0, 2);
-    put(p, "SOFTSIM_PROBE_0", 16);
-    put_zeros(p, 1000);
-}
-
-static void fragment_middle(packet *p)
-{
-    start_fragment(p, 100000, 50000, 1, 3);
-    put_zeros(p, 1000);
-}
-
-static void fragment_many(packet *p)
-{
-    start_fragment(p, 100000, 0, 0, 65535);
-    put(p, "SOFTSIM_PROBE_0", 16);
-    put_zeros(p, 100);
-}
-
-static void fragment_huge(packet *p)
-{
-    start_fragment(p, 1u << 28, 0, 0, 4000);
-    put(p, "SOFTSIM_PROBE_0", 16);
-    put_zeros(p, 100);
-}
+BUILD(fragment_huge, start_fragment(p, 1u << 28, 0, 0, 4000); put(p, "SOFTSIM_PROBE_0", 16);
+      put_zeros(p, 100))
 
 /* An offset that wraps in 32 bits when LCM adds the size. */
 static void fragment_wrap(packet *p)
@@ -326,29 +254,10 @@ static void fragment_wrap(packet *p)
     put_zeros(p, 40);
 }
 
-static void fragment_overlap(packet *p)
-{
-    start_fragment(p, 2000, 500, 1, 4);
-    put_zeros(p, 1400);
-}
-
-static void magic_wrong(packet *p)
-{
-    pose_good(p);
-    p->byte[3] = '4';
-}
-
-static void one_byte(packet *p)
-{
-    p->size = 0;
-    put(p, "L", 1);
-}
-
-static void channel_empty(packet *p)
-{
-    start(p, "");
-    put_zeros(p, 100);
-}
+BUILD(fragment_overlap, start_fragment(p, 2000, 500, 1, 4); put_zeros(p, 1400))
+BUILD(magic_wrong, pose_good(p); p->byte[3] = '4')
+BUILD(one_byte, p->size = 0; put(p, "L", 1))
+BUILD(channel_empty, start(p, ""); put_zeros(p, 100))
 
 static void channel_long(packet *p)
 {
@@ -359,23 +268,9 @@ static void channel_long(packet *p)
     p->size += 1000;
 }
 
-static void channel_unknown(packet *p)
-{
-    start(p, "ELSEWHERE_PROBE_0");
-    put_zeros(p, 148);
-}
-
-static void self_test(packet *p)
-{
-    start(p, "LCM_SELF_TEST");
-    put_zeros(p, 8);
-}
-
-static void channel_near(packet *p)
-{
-    start(p, "SOFTSIM_PROBE_8");
-    put_zeros(p, 148);
-}
+BUILD(channel_unknown, start(p, "ELSEWHERE_PROBE_0"); put_zeros(p, 148))
+BUILD(self_test, start(p, "LCM_SELF_TEST"); put_zeros(p, 8))
+BUILD(channel_near, start(p, "SOFTSIM_PROBE_8"); put_zeros(p, 148))
 
 static const struct kind {
     const char *name;

@@ -7,6 +7,7 @@
  */
 #include "common/test.h"
 
+#include "common/pose_fixture.h"
 #include "daemon_fixture.h"
 #include "softsim/client.h"
 
@@ -282,11 +283,8 @@ static void expect_no_command_lost_under(const char *scene, const char *sockets,
     const softsim_pose pose = {.utime_us = softsim_client_now_us(),
                                .sender = softsim_client_sender(l.client),
                                .seq = 1,
-                               .force_seq = -1,
                                .position = {0.0, 0.0, 0.3},
-                               .orientation = {1.0, 0.0, 0.0, 0.0},
-                               .velocity = {NAN, NAN, NAN},
-                               .applied_force = {NAN, NAN, NAN}};
+                               PLAIN_POSE};
     assert_true(softsim_client_send_pose(l.client, &pose, 0));
     start_flood_from(sockets, kind, rate, "600");
     /* Requests beyond the budget are counted; statuses come from a second server. */

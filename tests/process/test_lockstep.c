@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "common/effort.h"
+#include "common/pose_fixture.h"
 #include "process.h"
 #include "softsim/types.h"
 #include "softsim_command_t.h"
@@ -204,13 +205,8 @@ static void wait_for(lcm_t *lcm, const int *count, int least, const char *what)
 
 static void send_pose(lcm_t *lcm, int64_t sender, int32_t seq, double x)
 {
-    const softsim_probe_pose_t pose = {.sender = sender,
-                                       .seq = seq,
-                                       .force_seq = -1,
-                                       .position = {x, 0.0, 0.0},
-                                       .orientation = {1.0, 0.0, 0.0, 0.0},
-                                       .velocity = {NAN, NAN, NAN},
-                                       .applied_force = {NAN, NAN, NAN}};
+    const softsim_probe_pose_t pose = {
+        .sender = sender, .seq = seq, .position = {x, 0.0, 0.0}, PLAIN_POSE};
     const int before = forces;
     softsim_probe_pose_t_publish(lcm, "SOFTSIM_PROBE_0", &pose);
     wait_for(lcm, &forces, before + 1, "an answer");

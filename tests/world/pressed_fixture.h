@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/pose_fixture.h"
 #include "world/world.h"
 
 #define KIDNEY SOURCE_DIR "/server/scenes/kidney.yaml"
@@ -40,13 +41,7 @@ static inline softsim_force tick_of(ss_world *world, int64_t sender, int32_t seq
 {
     softsim_force force[SOFTSIM_MAX_PROBES];
     const int32_t channel = 0;
-    softsim_pose pose = {.sender = sender,
-                         .seq = seq,
-                         .force_seq = -1,
-                         .position = {x, y, z},
-                         .orientation = {1.0, 0.0, 0.0, 0.0},
-                         .velocity = {NAN, NAN, NAN},
-                         .applied_force = {NAN, NAN, NAN}};
+    softsim_pose pose = {.sender = sender, .seq = seq, .position = {x, y, z}, PLAIN_POSE};
     softsim_tick((softsim_world *)world, &pose, &channel, 1, force);
     ss_world_settle(world);
     return force[0];

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/pose_fixture.h"
 #include "rt/thread.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
@@ -35,14 +36,8 @@ static ss_world *create(const char *scene, bool is_lockstep)
 
 static softsim_pose pose_of(int64_t sender, int32_t seq, int32_t probe)
 {
-    return (softsim_pose){.sender = sender,
-                          .seq = seq,
-                          .probe = probe,
-                          .force_seq = -1,
-                          .position = {0.2, 0.0, 0.0},
-                          .orientation = {1.0, 0.0, 0.0, 0.0},
-                          .velocity = {NAN, NAN, NAN},
-                          .applied_force = {NAN, NAN, NAN}};
+    return (softsim_pose){
+        .sender = sender, .seq = seq, .probe = probe, .position = {0.2, 0.0, 0.0}, PLAIN_POSE};
 }
 
 /* Set-up arithmetic belongs to the result: the daemon and a headless run set it up in the same way.

@@ -262,11 +262,9 @@ static void move_prescribed(ss_model *model, double time)
 static void step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
-    if (model->verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
+    if (!ss_model_begin(&model->verdict, &model->reason, dt)) {
         return;
     }
-    model->verdict = SOFTSIM_VERDICT_GOOD;
-    model->reason = "";
     model->worst = -1;
     const int32_t parts = ss_mail_tools_take(model, tool);
     model->moved_count = 0;

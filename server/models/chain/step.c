@@ -439,11 +439,9 @@ static double prescribed_substeps(ss_model *model)
 void ss_chain_step(ss_model *model, double time, double dt,
                    const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
-    if (model->verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
+    if (!ss_model_begin(&model->verdict, &model->reason, dt)) {
         return;
     }
-    model->verdict = SOFTSIM_VERDICT_GOOD;
-    model->reason = "";
     model->worst_element = -1;
     ss_chain_tools_take(model, tool);
     ss_chain_loads_update(model, time + 0.5 * dt);

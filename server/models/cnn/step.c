@@ -708,11 +708,9 @@ static void judge_inverted(ss_model *model)
 void ss_cnn_step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
-    if (model->verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
+    if (!ss_model_begin(&model->verdict, &model->reason, dt)) {
         return;
     }
-    model->verdict = SOFTSIM_VERDICT_GOOD;
-    model->reason = "";
     model->damped = 0.0;
     model->worst = -1;
     take_tools(model, tool);

@@ -406,11 +406,9 @@ static void refresh_forces(ss_body *body, bool has_new_loads)
 void ss_body_step(ss_body *body, double time, double dt,
                   const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
-    if (body->verdict == SOFTSIM_VERDICT_FAULT || !(dt > 0.0)) {
+    if (!ss_model_begin(&body->verdict, &body->reason, dt)) {
         return;
     }
-    body->verdict = SOFTSIM_VERDICT_GOOD;
-    body->reason = "";
     body->worst_element = -1;
     body->was_slowed = body->is_slowed;
     body->is_slowed = false;

@@ -422,6 +422,18 @@ static void print_rows(const report *r, const ss_sweep_result *result)
 
 /* ---- the report ---- */
 
+static softsim_status write_all(void *context, const ss_sweep_result *result, softsim_error *error)
+{
+    const report *r = context;
+    print_rows(r, result);
+    softsim_status status = write_csv(r, result, error);
+    status = status == SOFTSIM_OK ? write_page(r, result, error) : status;
+    if (status == SOFTSIM_OK) {
+        printf("%s/ablation.html\n", r->out);
+    }
+    return status;
+}
+
 static softsim_status measure(report *r, softsim_error *error)
 {
     for (int32_t i = 0; i < OMISSIONS; ++i) {
@@ -437,19 +449,8 @@ static softsim_status measure(report *r, softsim_error *error)
                             .context = r,
                             .label = label,
                             .run = run};
-    ss_sweep_result result;
-    softsim_status status = ss_sweep_execute(&sweep, &result, error);
-    if (status == SOFTSIM_OK && result.is_complete) {
-        print_rows(r, &result);
-        status = write_csv(r, &result, error);
-        status = status == SOFTSIM_OK ? write_page(r, &result, error) : status;
-        if (status == SOFTSIM_OK) {
-            printf("%s/ablation.html\n", r->out);
-            ss_sweep_forget(&sweep, &result);
-        }
-    }
-    ss_sweep_result_fini(&result);
-    return status;
+    int32_t lost = 0; /* a row says so */
+    return ss_sweep_and_report(&sweep, write_all, r, &lost, error);
 }
 
 static int run_report(int argc, char **argv)

@@ -703,3 +703,19 @@ void ss_sweep_result_fini(ss_sweep_result *result)
     free(result->run);
     *result = (ss_sweep_result){0};
 }
+
+softsim_status ss_sweep_and_report(const ss_sweep *sweep, ss_sweep_report report, void *context,
+                                   int32_t *out_lost, softsim_error *error)
+{
+    ss_sweep_result result;
+    softsim_status status = ss_sweep_execute(sweep, &result, error);
+    if (status == SOFTSIM_OK && result.is_complete) {
+        status = report(context, &result, error);
+        if (status == SOFTSIM_OK) {
+            ss_sweep_forget(sweep, &result);
+        }
+    }
+    *out_lost = result.lost;
+    ss_sweep_result_fini(&result);
+    return status;
+}

@@ -55,6 +55,13 @@ typedef struct ss_sweep_result {
     int32_t lost;
 } ss_sweep_result;
 
+/* By the rank that has all of a complete sweep: its files, and what is printed. */
+typedef softsim_status (*ss_sweep_report)(void *context, const ss_sweep_result *result,
+                                          softsim_error *error);
+/* Executes, reports, and forgets the parts once the report stands. */
+softsim_status ss_sweep_and_report(const ss_sweep *sweep, ss_sweep_report report, void *context,
+                                   int32_t *out_lost, softsim_error *error);
+
 /* Does what has not been done yet. On a terminal it shows how far it is and the time left. Fails
  * when it is stopped, when a part cannot be read or written or belongs to another sweep, and when
  * another rank falls silent. ss_sweep_result_fini afterwards, also on failure. */

@@ -875,6 +875,17 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
+static softsim_status write_all(void *context, const ss_sweep_result *result, softsim_error *error)
+{
+    const report *r = context;
+    softsim_status status = write_csv(r, result, error);
+    status = status == SOFTSIM_OK ? write_page(r, result, error) : status;
+    if (status == SOFTSIM_OK) {
+        print_rows(r, result);
+    }
+    return status;
+}
+
 static softsim_status sweep_and_report(report *r, int32_t *out_lost, softsim_error *error)
 {
     const ss_sweep sweep = {.folder = r->out,
@@ -885,19 +896,7 @@ static softsim_status sweep_and_report(report *r, int32_t *out_lost, softsim_err
                             .context = r,
                             .label = label,
                             .run = run_one};
-    ss_sweep_result result;
-    softsim_status status = ss_sweep_execute(&sweep, &result, error);
-    if (status == SOFTSIM_OK && result.is_complete) {
-        status = write_csv(r, &result, error);
-        status = status == SOFTSIM_OK ? write_page(r, &result, error) : status;
-        if (status == SOFTSIM_OK) {
-            print_rows(r, &result);
-            ss_sweep_forget(&sweep, &result);
-        }
-    }
-    *out_lost = result.lost;
-    ss_sweep_result_fini(&result);
-    return status;
+    return ss_sweep_and_report(&sweep, write_all, r, out_lost, error);
 }
 
 static int run_report(int argc, char **argv)

@@ -558,6 +558,17 @@ static ss_args_result parse_options(int argc, char **argv, slides *s, softsim_er
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
+static softsim_status write_all(void *context, const ss_sweep_result *result, softsim_error *error)
+{
+    const slides *s = context;
+    softsim_status status = write_csv(s, result, error);
+    status = status == SOFTSIM_OK ? write_page(s, result, error) : status;
+    if (status == SOFTSIM_OK) {
+        print_rows(s, result);
+    }
+    return status;
+}
+
 static softsim_status sweep_and_report(slides *s, int32_t *out_lost, softsim_error *error)
 {
     const ss_sweep sweep = {.folder = s->out,
@@ -568,19 +579,7 @@ static softsim_status sweep_and_report(slides *s, int32_t *out_lost, softsim_err
                             .context = s,
                             .label = label,
                             .run = run_one};
-    ss_sweep_result result;
-    softsim_status status = ss_sweep_execute(&sweep, &result, error);
-    if (status == SOFTSIM_OK && result.is_complete) {
-        status = write_csv(s, &result, error);
-        status = status == SOFTSIM_OK ? write_page(s, &result, error) : status;
-        if (status == SOFTSIM_OK) {
-            print_rows(s, &result);
-            ss_sweep_forget(&sweep, &result);
-        }
-    }
-    *out_lost = result.lost;
-    ss_sweep_result_fini(&result);
-    return status;
+    return ss_sweep_and_report(&sweep, write_all, s, out_lost, error);
 }
 
 int ss_felt_slide(int argc, char **argv)

@@ -12,12 +12,14 @@
 
 /* ---- files ---- */
 
-static void put_number(FILE *file, double value)
+static void put_numbers(FILE *file, const double *value, size_t count)
 {
-    if (isnan(value)) {
-        fputc(',', file);
-    } else {
-        fprintf(file, ",%.6g", value);
+    for (size_t i = 0; i < count; ++i) {
+        if (isnan(value[i])) {
+            fputc(',', file);
+        } else {
+            fprintf(file, ",%.6g", value[i]);
+        }
     }
 }
 
@@ -36,23 +38,17 @@ softsim_status ss_scaling_write_csv(const ss_scaling *r, softsim_error *error)
     for (int32_t i = 0; i < r->row_count; ++i) {
         const ss_scaling_row *at = &r->row[i];
         fprintf(output.file, "%d,%d,%s", at->points, at->nodes, at->name);
-        put_number(output.file, at->p50_us);
-        put_number(output.file, at->p99_us);
-        put_number(output.file, at->substeps);
-        put_number(output.file, at->p50_us / at->substeps);
-        put_number(output.file, at->paper_ms);
-        put_number(output.file, 100.0 * at->jump);
-        put_number(output.file, at->balance);
+        const double costs[] = {
+            at->p50_us,   at->p99_us,       at->substeps, at->p50_us / at->substeps,
+            at->paper_ms, 100.0 * at->jump, at->balance};
+        put_numbers(output.file, costs, sizeof costs / sizeof *costs);
         fprintf(output.file, ",%d", at->active_nodes);
-        put_number(output.file, at->direct_error);
-        put_number(output.file, at->apart);
-        put_number(output.file, at->prototype_us);
+        put_numbers(output.file, (const double[]){at->direct_error, at->apart, at->prototype_us},
+                    3);
         fputc(',', output.file);
         ss_csv_text(output.file, at->verdict);
         fprintf(output.file, ",%s", at->model);
-        put_number(output.file, at->create_s);
-        put_number(output.file, at->memory_mb);
-        put_number(output.file, at->peak_mb);
+        put_numbers(output.file, (const double[]){at->create_s, at->memory_mb, at->peak_mb}, 3);
         fputc(',', output.file);
         ss_csv_text(output.file, at->solver);
         fputc('\n', output.file);
