@@ -54,6 +54,9 @@ struct ss_haptic {
     double last_force[3];
     double shift[3];  /* m, from the hand to the pose used: what is not let in yet */
     double ramp_from; /* N, the force before a ramp */
+    /* Of these, what they were without the damping of passivity.c: the contacts', whose torque is
+     * felt. The damper acts on the hand's point and has none. */
+    double last_undamped[3], undamped_ramp_from;
     uint64_t digest;
     ss_haptic_output output;
     ss_observer observer;
@@ -100,6 +103,7 @@ static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
         ss_observer_restart(&haptic->observer, &haptic->config, corrects);
         ss_passivity_restart(&haptic->passivity);
         ss_set3(haptic->last_force, 0.0, 0.0, 0.0);
+        ss_set3(haptic->last_undamped, 0.0, 0.0, 0.0);
     } else if (is_return) {
         ss_observer_break(&haptic->observer);
     }
@@ -415,9 +419,10 @@ static void damp(ss_haptic *haptic, const double v[3], double force[3])
 }
 
 /* Balances the proxy against the local contact model within the limit; writes the forces of the
- * local contact model, p and the whole force. Returns true when limited. */
+ * local contact model, p and the whole force, `out_undamped` without what passivity.c does. Returns
+ * true when limited. */
 static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], const double v[3],
-                          double out_force[3])
+                          double out_undamped[3], double out_force[3])
 {
     const ss_haptic_config *config = &haptic->config;
     ss_local_contact *local = &haptic->local;
@@ -440,6 +445,7 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     if (config->between_steps != SS_BETWEEN_LOCAL && !local->grasp.is_held) {
         ss_local_contact_extrapolate(local, config, tick, out_force);
     }
+    ss_copy3(out_undamped, out_force);
     damp(haptic, v, out_force);
     const bool is_cut = ss_clamp_norm3(out_force, haptic->slip.limit);
     double pose_to_proxy[3];
@@ -505,10 +511,10 @@ static double gain_of(const ss_haptic *haptic)
 }
 
 static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const double sent[3],
-                        const double whole[3], int32_t flags)
+                        const double undamped[3], int32_t flags)
 {
     softsim_force *force = &haptic->output.force;
-    const double size = ss_norm3(whole);
+    const double size = ss_norm3(undamped);
     const int32_t active = ss_local_contact_active_count(&haptic->local);
     const bool is_in_contact = active > 0 && gain_of(haptic) > 0.0;
     force->seq = next_seq(force->seq);
@@ -525,9 +531,9 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
                    (haptic->local.grasp.is_held ? SOFTSIM_FORCE_GRASPING : 0);
     ss_copy3(force->force, sent);
     ss_set3(force->torque, 0.0, 0.0, 0.0);
-    if (haptic->config.tool_gyration > 0.0 && size > 0.0) {
+    if (haptic->config.tool_gyration > 0.0 && size > 0.0 && is_felt) {
         ss_local_contact_torque(&haptic->local, force->torque);
-        ss_scale3(force->torque, force->torque, ss_norm3(sent) / size);
+        ss_scale3(force->torque, force->torque, ss_norm3(haptic->last_undamped) / size);
     }
     ss_copy3(force->model_force, haptic->model_force);
     ss_copy3(force->proxy, haptic->p);
@@ -621,23 +627,20 @@ static void repeat_force(ss_haptic *haptic, int64_t tick)
     write_sums(haptic);
 }
 
-/* The ramp's share of the force, and the slew limit. */
-static void ramp_and_limit_slew(ss_haptic *haptic, const ss_haptic_input *input,
-                                const double whole[3], bool is_limited, int32_t *inout_flags,
-                                double out_sent[3])
+/* The ramp's share of a force, and the slew limit from `last` on; true where that limits it. */
+static bool ramp_and_limit_slew(const ss_haptic *haptic, int64_t tick, const double whole[3],
+                                const double last[3], double *inout_ramp_from, double out_sent[3])
 {
     const double gain = gain_of(haptic);
     ss_scale3(out_sent, whole, gain);
     if (haptic->admission.phase == SS_PHASE_RAMPING) {
         /* The local contact model's offsets still change during the ramp; they must not raise the
          * ramped force. */
-        ss_clamp_norm3(out_sent, gain * haptic->ramp_from);
+        ss_clamp_norm3(out_sent, gain * *inout_ramp_from);
     } else {
-        haptic->ramp_from = ss_norm3(out_sent);
+        *inout_ramp_from = ss_norm3(out_sent);
     }
-    const double step = slew_step(haptic, input->tick);
-    is_limited = ss_clamp_change3(out_sent, haptic->last_force, step) || is_limited;
-    *inout_flags |= is_limited ? SOFTSIM_FORCE_LIMITED : 0;
+    return ss_clamp_change3(out_sent, last, slew_step(haptic, tick));
 }
 
 /* State that affects later forces but not the forces sent so far: the pose, and what the force
@@ -654,6 +657,10 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
                                     haptic->left_pose.position,
                                     haptic->admission.entry_point,
                                     haptic->admission.entry_normal};
+    if (memcmp(haptic->last_undamped, haptic->last_force, sizeof haptic->last_undamped) != 0) {
+        hash = ss_hash_bytes(hash, haptic->last_undamped, sizeof haptic->last_undamped);
+        hash = ss_hash_bytes(hash, &haptic->undamped_ramp_from, sizeof haptic->undamped_ramp_from);
+    }
     const double number[] = {haptic->slip.stiffness_fraction, haptic->slip.length,
                              haptic->admission.held_back, haptic->ramp_from,
                              haptic->passivity.share};
@@ -733,7 +740,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
     const beginning begins = take_poses(haptic, input, is_bad);
     if (haptic->has_pose) {
         const bool corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0;
-        double x[3], v[3], whole[3], sent[3];
+        double x[3], v[3], undamped[3], whole[3], sent[3], unscaled[3];
         ss_observer_tick(&haptic->observer, &haptic->config, corrects,
                          ss_local_contact_active_count(&haptic->local) > 0, tick);
         ss_passivity_step(&haptic->passivity, &haptic->observer, haptic->config.period,
@@ -748,12 +755,19 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         update_grasp(haptic, input, is_fresh, x, v);
         update_spring(haptic);
         update_limit(haptic, tick);
-        const bool is_limited = balance_proxy(haptic, tick, x, v, whole);
+        const bool is_limited = balance_proxy(haptic, tick, x, v, undamped, whole);
         int32_t flags =
             ss_admission_flags(&haptic->admission) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
-        ramp_and_limit_slew(haptic, input, whole, is_limited, &flags, sent);
+        const bool is_slow =
+            ramp_and_limit_slew(haptic, tick, whole, haptic->last_force, &haptic->ramp_from, sent);
+        flags |= is_limited || is_slow ? SOFTSIM_FORCE_LIMITED : 0;
+        ss_copy3(unscaled, undamped);
+        ss_clamp_norm3(undamped, haptic->slip.limit);
+        (void)ramp_and_limit_slew(haptic, tick, undamped, haptic->last_undamped,
+                                  &haptic->undamped_ramp_from, undamped);
         if (ss_is_finite(sent, 3) && ss_is_finite(haptic->p, 3)) {
-            write_force(haptic, input, sent, whole, flags);
+            ss_copy3(haptic->last_undamped, undamped);
+            write_force(haptic, input, sent, unscaled, flags);
             write_target(haptic, input, v);
             book_entry(haptic, x, sent);
             remember_force(haptic, tick);

@@ -324,6 +324,39 @@ TEST(what_a_device_told_ends_with_it)
     rig_end(&r);
 }
 
+/* A hand that has been given too much is damped to no force at all, as fast as the slew allows: the
+ * damper acts on its point, so the torque stays what the contact exerts. */
+TEST(damping_leaves_the_torque_of_the_contact)
+{
+    const double k = 500.0, depth = 4e-3, arm = 0.03;
+    rig r;
+    ss_haptic_config config = default_config();
+    config.max_slew = 100.0;
+    config.tool_gyration = 0.01;
+    rig_start(&r, &config);
+    rig_press(&r, k, depth);
+    double least = INFINITY, before = 0.0;
+    for (int n = 0; n < 45; ++n) {
+        rig_result(&r, k, depth, 1);
+        r.result.set.contact[0].point[0] = arm;
+        r.result.set.contact[0].point[2] = -depth;
+        if (n >= 20) { /* it says that it was pushed while it went out, and that it goes on so */
+            r.pose.position[0] = 1e-3 * (n - 20);
+            r.pose.applied_force[0] = 2.0;
+            r.pose.applied_force[1] = r.pose.applied_force[2] = 0.0;
+            r.pose.velocity[2] = 0.4;
+        }
+        const double f = rig_tick(&r, -depth);
+        least = fmin(least, f);
+        before = n == 10 ? f : before;
+        if (n >= 10) { /* less by what a softer coupling takes from the contact */
+            assert_near(r.out.force.torque[1], -arm * before, 0.05 * arm * before);
+        }
+    }
+    assert_true(least < 0.1 * k * depth);
+    rig_end(&r);
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);
