@@ -26,7 +26,11 @@ static int32_t bucket_of(double value_us)
 
 static void clear_slot(ss_histogram *histogram, int32_t slot)
 {
-    memset(histogram->count[slot], 0, sizeof histogram->count[slot]);
+    for (int32_t b = 0; b < SS_HISTOGRAM_BUCKETS; ++b) {
+        histogram->sum[b] -= histogram->count[slot][b];
+        histogram->total -= histogram->count[slot][b];
+        histogram->count[slot][b] = 0;
+    }
     histogram->max_us[slot] = 0.0;
 }
 
@@ -47,7 +51,10 @@ void ss_histogram_add(ss_histogram *histogram, int64_t now_ns, double value_us)
             clear_slot(histogram, histogram->slot);
         }
     }
-    histogram->count[histogram->slot][bucket_of(value_us)] += 1;
+    const int32_t bucket = bucket_of(value_us);
+    histogram->count[histogram->slot][bucket] += 1;
+    histogram->sum[bucket] += 1;
+    histogram->total += 1;
     if (value_us > histogram->max_us[histogram->slot]) {
         histogram->max_us[histogram->slot] = value_us;
     }
@@ -55,28 +62,19 @@ void ss_histogram_add(ss_histogram *histogram, int64_t now_ns, double value_us)
 
 double ss_histogram_quantile(const ss_histogram *histogram, double quantile)
 {
-    int64_t total = 0;
     double max_us = 0.0;
     for (int32_t s = 0; s < SS_HISTOGRAM_SLOTS; ++s) {
-        for (int32_t b = 0; b < SS_HISTOGRAM_BUCKETS; ++b) {
-            total += histogram->count[s][b];
-        }
         max_us = fmax(max_us, histogram->max_us[s]);
     }
-    const int64_t rank = (int64_t)ceil(quantile * (double)total);
-    if (total == 0 || rank >= total) {
+    const int64_t rank = (int64_t)ceil(quantile * (double)histogram->total);
+    if (histogram->total == 0 || rank >= histogram->total) {
         return max_us;
     }
     /* The bucket that holds the sample of that rank. */
-    int64_t passed = 0;
+    int64_t passed = histogram->sum[0];
     int32_t bucket = 0;
-    for (; bucket < SS_HISTOGRAM_BUCKETS - 1; ++bucket) {
-        for (int32_t s = 0; s < SS_HISTOGRAM_SLOTS; ++s) {
-            passed += histogram->count[s][bucket];
-        }
-        if (passed >= rank) {
-            break;
-        }
+    while (bucket < SS_HISTOGRAM_BUCKETS - 1 && passed < rank) {
+        passed += histogram->sum[++bucket];
     }
     const double middle = LEAST_US * exp(LOG_RATIO * ((double)bucket - 0.5));
     return fmin(bucket == 0 ? LEAST_US : middle, max_us);

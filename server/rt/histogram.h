@@ -14,6 +14,8 @@ typedef struct ss_histogram {
     int64_t slot_start_ns;
     int32_t slot;
     uint32_t count[SS_HISTOGRAM_SLOTS][SS_HISTOGRAM_BUCKETS];
+    /* Of all slots, so that a percentile can be asked for in each step. */
+    int64_t sum[SS_HISTOGRAM_BUCKETS], total;
     double max_us[SS_HISTOGRAM_SLOTS];
 } ss_histogram;
 
