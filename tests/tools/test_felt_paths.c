@@ -287,10 +287,10 @@ TEST(a_held_press_is_the_same_at_every_rate)
     static const struct {
         const char *name;
         double rate_hz, most;
-    } cases[] = {{"kidney", 120.0, 0.01},         {"kidney", 60.0, 0.01},
-                 {"kidney", 30.0, 0.02},          {"liver", 60.0, 0.01},
-                 {"liver-chainmail", 60.0, 0.01}, {"liver-chainmail", 30.0, 0.02}};
-    for (size_t k = 0; k < FULL_IN_RELEASE(sizeof cases / sizeof *cases, 1); ++k) {
+    } cases[] = {{"kidney", 60.0, 0.01}, {"liver-chainmail", 30.0, 0.02}, {"kidney", 120.0, 0.01},
+                 {"kidney", 30.0, 0.02}, {"liver-chainmail", 60.0, 0.01}, {"liver", 60.0, 0.01}};
+    for (size_t k = 0; k < FULL_IN_LONG_RUN(sizeof cases / sizeof *cases, FULL_IN_RELEASE(2, 1));
+         ++k) {
         const ss_felt_errors e = compare_rates(cases[k].name, SS_FELT_PRESS, cases[k].rate_hz);
         assert_true(fabs(e.held) <= cases[k].most);
     }
@@ -306,11 +306,11 @@ TEST(a_motion_is_felt_alike_at_60_hz)
         ss_felt_path path;
         double most;
     } cases[] = {{"ed0-tissue", SS_FELT_POKE_1, 0.1},
-                 {"hm1-tissue", SS_FELT_SLIDE, 0.07},
                  {"ventricle", SS_FELT_SLIDE, 0.07},
                  {"liver-chainmail", SS_FELT_PRESS, 0.07},
+                 {"hm1-tissue", SS_FELT_SLIDE, 0.07},
                  {"liver-chainmail", SS_FELT_SLIDE, 0.25}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+    for (size_t k = 0; k < FULL_IN_LONG_RUN(sizeof cases / sizeof *cases, 3); ++k) {
         const ss_felt_errors e = compare_rates(cases[k].name, cases[k].path, 60.0);
         print_message("%s, %s: p99 %.3f\n", cases[k].name, ss_felt_path_name(cases[k].path), e.p99);
         assert_true(e.p99 <= cases[k].most);

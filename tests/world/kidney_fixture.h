@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* Headless worlds of the bundled kidney, and poses that press it from above. */
+/* Headless worlds of the kidney, and poses that press it from above. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,18 +12,18 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/kidney.h"
 #include "softsim/softsim.h"
-
-#define KIDNEY SOURCE_DIR "/server/scenes/kidney.yaml"
 
 static softsim_error error;
 
 static softsim_world *make_world(int32_t threads, const char *const *set, int32_t set_count)
 {
     softsim_config config = softsim_default_config();
+    const char *all[KIDNEY_SETS];
     config.threads = threads;
-    config.set = set;
-    config.set_count = set_count;
+    config.set_count = kidney_sets(set, set_count, all);
+    config.set = all;
     config.import_program = BIN_DIR "/softsim-import";
     memset(&error, 0, sizeof error);
     softsim_world *world = softsim_create(KIDNEY, &config, &error);

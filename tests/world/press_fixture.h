@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "common/folder_fixture.h"
+#include "common/kidney.h"
 #include "softsim/softsim.h"
 
 /* ---- bodies ---- */
@@ -176,11 +177,14 @@ static inline softsim_world *make_world(const body *b, double limit)
     char path[512], force[64];
     (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s", b->scene ? b->scene : "");
     (void)snprintf(force, sizeof force, "haptic.max_force_n=%g", limit);
-    const char *const set[] = {force, b->set};
+    const bool is_kidney = b->scene && strcmp(b->scene, "kidney.yaml") == 0;
+    const char *const own[] = {force, b->set};
+    const int32_t own_count = b->set ? 2 : 1;
+    const char *all[KIDNEY_SETS];
     softsim_config config = softsim_default_config();
     softsim_error error = {0};
-    config.set = set;
-    config.set_count = b->set ? 2 : 1;
+    config.set = is_kidney ? all : own;
+    config.set_count = is_kidney ? kidney_sets(own, own_count, all) : own_count;
     config.import_program = BIN_DIR "/softsim-import";
     softsim_world *world = softsim_create(b->scene ? path : write_block(b), &config, &error);
     if (world == NULL) {

@@ -5,10 +5,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/kidney.h"
 #include "common/pose_fixture.h"
 #include "world/world.h"
 
-#define KIDNEY SOURCE_DIR "/server/scenes/kidney.yaml"
 /* Of a 5 mm sphere over (5, 3) mm: where it is 5 mm deep, and above the surface. */
 static const double pressed_z = 0.0175, free_z = 0.035;
 static const double deep_z = 0.005;
@@ -28,6 +28,13 @@ static inline ss_world *make_scene(const char *scene, const char *const *set, in
         fail_msg("%s", error.text);
     }
     return ss_world_of(world);
+}
+
+static inline ss_world *make_kidney(const char *const *set, int32_t set_count)
+{
+    const char *all[KIDNEY_SETS];
+    const int32_t count = kidney_sets(set, set_count, all);
+    return make_scene(KIDNEY, all, count);
 }
 
 static inline void destroy(ss_world *world)

@@ -49,8 +49,8 @@ static softsim_state shake(ss_world *world, int32_t ticks, double amplitude, dou
  * hand that is limited to L does more than L times the body's length in one push. */
 TEST(a_step_slower_than_time_does_not_fling_the_tool)
 {
-    static const char *const set[] = {"simulation.max_substeps=8"};
-    ss_world *world = make_scene(KIDNEY, set, 1);
+    static const char *const set[] = {"simulation.max_substeps=4"};
+    ss_world *world = make_kidney(set, 1);
     double kinetic;
     const softsim_state last = shake(world, 900, 0.001, &kinetic);
     destroy(world);
@@ -92,14 +92,14 @@ static int32_t follow_slow_steps(ss_world *world, double x, double y, double dow
 }
 
 /* The share is travelled, the rest in the next steps, and the haptic loop is told of that place:
- * the kidney with few sub-steps, and a stiff block of every model with one. */
+ * the kidney and a stiff block of every model, with one sub-step. */
 TEST(the_haptic_loop_is_told_where_a_slow_step_left_the_tool)
 {
     SKIP_WHERE_REPEATED();
-    static const char *const set[] = {"simulation.max_substeps=3"};
+    static const char *const set[] = {"simulation.max_substeps=1"};
     static ss_stress_case_plan plan; /* large */
     int32_t slow_models = 0;
-    ss_world *world = make_scene(KIDNEY, set, 1);
+    ss_world *world = make_kidney(set, 1);
     assert_true(follow_slow_steps(world, 0.005, 0.003, pressed_z, free_z) > 20);
     destroy(world);
     for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
@@ -118,7 +118,7 @@ TEST(the_haptic_loop_is_told_where_a_slow_step_left_the_tool)
 /* Under pause nothing moves, and nothing is flung when it goes on. */
 TEST(a_paused_tool_stays_where_it_is)
 {
-    ss_world *world = make_scene(KIDNEY, NULL, 0);
+    ss_world *world = make_kidney(NULL, 0);
     const ss_world_probe *probe = &world->probe[0];
     ss_command_record record;
     char text[128];
@@ -157,7 +157,7 @@ TEST(a_paused_tool_stays_where_it_is)
  * it. */
 TEST(energy_that_no_hand_has_stops_the_tissue)
 {
-    ss_world *world = make_scene(KIDNEY, NULL, 0);
+    ss_world *world = make_kidney(NULL, 0);
     ss_command_record record;
     char text[128];
     double kinetic;
@@ -192,7 +192,7 @@ TEST(a_jittering_tracker_stops_nothing)
     static const double lower[] = {0.0, 0.003, 0.005};
     const int32_t count = FULL_IN_RELEASE(3, 1);
     for (int32_t run = 0; run < count; ++run) {
-        ss_world *world = make_scene(KIDNEY, NULL, 0);
+        ss_world *world = make_kidney(NULL, 0);
         const double a = 0.0025;
         softsim_state now;
         int32_t k = 1;
@@ -218,7 +218,7 @@ TEST(a_jittering_tracker_stops_nothing)
  * along with the hand, and so each bounce could take it further away. */
 TEST(a_bouncing_button_does_not_lose_the_tool)
 {
-    ss_world *world = make_scene(KIDNEY, NULL, 0);
+    ss_world *world = make_kidney(NULL, 0);
     double apart = 0.0, x[3] = {0.005, 0.003, free_z}, shake[3] = {0.0};
     bool is_pressed = false;
     for (int32_t k = 1; k <= 2000; ++k) {

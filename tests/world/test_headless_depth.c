@@ -34,9 +34,10 @@ static double thickness_of(softsim_world *world)
 
 TEST(depth_is_bounded_by_the_body)
 {
-    static const char *const names[] = {"chainmail", "kidney",       "liver",      "hard hm1",
-                                        "xpbd",      "corotational", "mass-spring"};
-    const size_t count = FULL_IN_RELEASE(sizeof names / sizeof *names, 1);
+    /* Of the surface alone that the contact query keeps, of a volume, and of what is dear. */
+    static const char *const names[] = {"chainmail", "kidney", "mass-spring", "hard hm1",
+                                        "liver",     "xpbd",   "corotational"};
+    const size_t count = FULL_IN_LONG_RUN(sizeof names / sizeof *names, FULL_IN_RELEASE(4, 1));
     write_block_mesh();
     bool is_good = true;
     for (int k = 0; k < BODIES; ++k) {

@@ -34,7 +34,7 @@ typedef struct place {
 #define LIVER                                                                                      \
     "liver.obj",                                                                                   \
         SKIN "  pretension_j: 0.5\n  enclosed_bulk_pa: 1000\n  rest_stiffness_n_per_m3: 2.0e+4\n"
-#define KIDNEY                                                                                     \
+#define HILUM                                                                                      \
     "kidney.obj",                                                                                  \
         SKIN "  pretension_j: 1\n  enclosed_bulk_pa: 3000\n  rest_stiffness_n_per_m3: 5.0e+4\n"
 #define AT_EDGE                                                                                    \
@@ -47,7 +47,7 @@ static const place places[] = {
     {"liver's edge", LIVER, "sphere: {radius_mm: 8}", AT_EDGE, 0.008, 0.020, 0.3},
     {"liver's edge, deeper", LIVER, "sphere: {radius_mm: 8}", AT_EDGE, 0.008, 0.025, 0.3},
     {"kidney",
-     KIDNEY,
+     HILUM,
      "sphere: {radius_mm: 5}",
      {0.02245, -0.02049, -0.01326},
      {0.1677, 0.7326, 0.6597},
@@ -56,7 +56,7 @@ static const place places[] = {
      0.015,
      0.1},
     {"kidney, a capsule",
-     KIDNEY,
+     HILUM,
      "capsule: {radius_mm: 5, length_mm: 20}",
      {0.02245, -0.02049, -0.01326},
      {0.1677, 0.7326, 0.6597},
@@ -153,8 +153,10 @@ static bool is_place_good(const place *p)
 TEST(the_whole_reaction_is_felt)
 {
     bool is_good = true;
-    for (int k = 0; k < FULL_IN_RELEASE(PLACES, 1); ++k) {
-        is_good = is_place_good(&places[k]) && is_good;
+    /* An edge and a rounded face; deeper at the one, a sphere on the other in a long run. */
+    const int short_run[] = {0, PLACES - 1};
+    for (int k = 0; k < FULL_IN_LONG_RUN(PLACES, FULL_IN_RELEASE(2, 1)); ++k) {
+        is_good = is_place_good(&places[FULL_IN_LONG_RUN(k, short_run[k])]) && is_good;
     }
     assert_true(is_good);
 }

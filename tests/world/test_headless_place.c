@@ -139,6 +139,9 @@ TEST(a_tool_that_moved_is_felt_as_one_that_was_pressed)
         double outside[3];
         press_from_outside(&v, outside);
         for (int why = 0; why < CAUSES; ++why) {
+            if (k > 0 && FULL_IN_LONG_RUN(false, why != k % CAUSES)) {
+                continue; /* one cause for what is dear */
+            }
             for (int way = 0; way < way_count; ++way) {
                 v.why = (cause)why;
                 v.way = (heard)way;
@@ -180,10 +183,9 @@ TEST(a_touch_just_after_the_first_pose_is_felt)
     };
     static const double heights[] = {0.006, 0.015}, speeds[] = {0.3, 0.6};
     bool is_good = true;
-    for (int n = 0; n < 3 * FULL_IN_LONG_RUN(4, 2);
-         ++n) { /* each height and each speed of a body */
+    for (int n = 0; n < 3 * FULL_IN_LONG_RUN(4, 1); ++n) { /* each height and speed of a body */
         const body *b = &touched[n % 3];
-        const double above = heights[n / 3 % 2], speed = speeds[(n + n / 3 + n / 6) % 2];
+        const double above = heights[(n / 3 + n % 3) % 2], speed = speeds[(n + n / 3 + n / 6) % 2];
         double at_once[APPROACH], later[APPROACH], most = 0.0, off = 0.0;
         approach(b, above, speed, 0, at_once);
         approach(b, above, speed, 400, later);

@@ -196,7 +196,7 @@ TEST(a_tool_that_was_let_in_is_told_apart_from_one_that_shakes)
 {
     SKIP_WHERE_REPEATED();
     for (int is_shaking = 0; is_shaking < 2; ++is_shaking) {
-        ss_world *world = make_scene(KIDNEY, NULL, 0);
+        ss_world *world = make_kidney(NULL, 0);
         softsim_state s;
         int32_t k = 1;
         for (; k <= 800; ++k) {
@@ -234,7 +234,7 @@ TEST(a_calm_release_of_what_was_let_in_is_not_called_shaking)
         "model.pretension_j=4", "model.rest_stiffness_n_per_m3=2e5",
         "haptic.coupling.damping_n_s_per_m=8", "haptic.max_force_n=20"};
     for (int is_stiff = 0; is_stiff < 2; ++is_stiff) {
-        ss_world *world = make_scene(KIDNEY, stiffer, is_stiff ? 4 : 0);
+        ss_world *world = make_kidney(stiffer, is_stiff ? 4 : 0);
         int32_t touched = 0, told = 0;
         double handed_out = 0.0, before = deep_z;
         softsim_force force = {.seq = 0};
@@ -259,7 +259,7 @@ TEST(a_calm_release_of_what_was_let_in_is_not_called_shaking)
 TEST(nobody_went_from_one_device_to_the_next)
 {
     for (int64_t next = FULL_IN_RELEASE(1, 2); next <= 2; ++next) {
-        ss_world *world = make_scene(KIDNEY, NULL, 0);
+        ss_world *world = make_kidney(NULL, 0);
         softsim_force force = {.seq = 0};
         int32_t k = 1;
         for (; k <= 300; ++k) {
@@ -300,7 +300,7 @@ static const char *const held_back[] = {"haptic.coupling.damping_n_s_per_m=1000"
 TEST(a_blow_that_is_not_felt_is_told)
 {
     bool is_told;
-    ss_world *world = make_scene(KIDNEY, held_back, 1);
+    ss_world *world = make_kidney(held_back, 1);
     assert_true(slam(world, &is_told) < 0.1);
     assert_true(is_told);
     assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_DEGRADED);
@@ -312,11 +312,11 @@ TEST(only_a_blow_that_is_not_felt_is_told)
 {
     SKIP_WHERE_REPEATED();
     bool is_told;
-    ss_world *world = make_scene(KIDNEY, NULL, 0);
+    ss_world *world = make_kidney(NULL, 0);
     assert_true(slam(world, &is_told) > 0.5);
     assert_false(is_told);
     destroy(world);
-    world = make_scene(KIDNEY, held_back, 1);
+    world = make_kidney(held_back, 1);
     for (int32_t k = 1; k <= 400; ++k) {
         tick(world, k, 0.005, 0.003, height(k < 200 ? k : 400 - k));
     }
