@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
-/* A daemon on the bundled kidney and a client that watches what it says: shared by the process
+/* A daemon on the kidney and a client that watches what it says: shared by the process
  * tests that talk to one over LCM. cmocka comes first. */
 #include <math.h>
 #include <signal.h>
@@ -11,6 +11,7 @@
 #include <lcm/lcm.h>
 
 #include "common/folder_fixture.h"
+#include "common/kidney.h"
 #include "process.h"
 #include "softsim/types.h"
 #include "softsim_command_t.h"
@@ -19,7 +20,6 @@
 #include "softsim_server_status_t.h"
 
 #define SCENES SOURCE_DIR "/server/scenes/"
-#define KIDNEY SCENES "kidney.yaml"
 #define POKE   SCENES "kidney-poke.lcmlog"
 
 static process daemon_process, client, other;
@@ -59,6 +59,12 @@ static inline void start_daemon(const char *scene, const char *const *extra)
     if (!process_wait_for(&daemon_process, "softsimd: ready")) {
         fail_msg("no ready line; stderr: %s", daemon_process.err);
     }
+}
+
+static inline void start_kidney(void)
+{
+    const char *const small[] = {"--set", kidney_mesh(), NULL};
+    start_daemon(KIDNEY, small);
 }
 
 static inline int stop_daemon(void)

@@ -84,7 +84,7 @@ static bool play_and_feel(int *out_count)
 TEST_WITH(feels_the_kidney, make_folder, tear_down)
 {
     SKIP_WHERE_REPEATED();
-    start_daemon(KIDNEY, NULL);
+    start_kidney();
     int rows_of_play = 0, row_count = 0, plays = 0;
     bool is_felt = false;
     for (; !is_felt; ++plays) {
@@ -149,15 +149,15 @@ TEST_WITH(replays_bit_for_bit, make_folder, tear_down)
              cut_log(FULL_IN_LONG_RUN(0, 1450), FULL_IN_LONG_RUN(9000, 1000)));
     static const char *const threads[] = {"1", "2"};
     for (int i = 0; i < 2; ++i) {
-        const char *const run[] = {"softsim-run", KIDNEY,     "--poses", log,
-                                   "--threads",   threads[i], "--hash",  NULL};
+        const char *const run[] = {"softsim-run", KIDNEY,      "--set",    kidney_mesh(), "--poses",
+                                   log,           "--threads", threads[i], "--hash",      NULL};
         if (process_run(&client, run) != 0) {
             fail_msg("softsim-run: %s", client.err);
         }
         last_line(client.out, hash[i], sizeof hash[i]);
         assert_int_equal(strlen(hash[i]), 16);
     }
-    const char *const lockstep[] = {"--lockstep", "--hash", NULL};
+    const char *const lockstep[] = {"--set", kidney_mesh(), "--lockstep", "--hash", NULL};
     start_daemon(KIDNEY, lockstep);
     const char *const replay[] = {"softsim-replay", log, "--lockstep", NULL};
     if (process_run(&client, replay) != 0) {
@@ -252,7 +252,7 @@ static void press_and_fall_silent(watch *w, int signal)
 TEST_WITH(silent_bridge_is_let_go, make_folder, tear_down)
 {
     watch w;
-    start_daemon(KIDNEY, NULL);
+    start_kidney();
     watch_open(&w);
     start_bridge("slide");
     press_and_fall_silent(&w, SIGSTOP);
@@ -277,7 +277,7 @@ static void count_pose(const lcm_recv_buf_t *buffer, const char *channel, void *
  * the machine's affair, and 5 s without an answer end a replay: it is held meanwhile. */
 TEST_WITH(replay_outlives_a_killed_daemon, make_folder, tear_down)
 {
-    start_daemon(KIDNEY, NULL);
+    start_kidney();
     /* More often than ever needed: what is felt of it may take long on a busy machine. */
     const char *const replay[] = {"softsim-replay", POKE, "--repeat", "200", NULL};
     process_start(&client, replay, NULL);
@@ -293,7 +293,7 @@ TEST_WITH(replay_outlives_a_killed_daemon, make_folder, tear_down)
     }
     lcm_unsubscribe(w.lcm, heard);
     process_signal(&client, SIGSTOP);
-    start_daemon(KIDNEY, NULL);
+    start_kidney();
     process_signal(&client, SIGCONT);
     w.force.force[0] = w.force.force[1] = w.force.force[2] = 0.0;
     watch_until(&w, is_pressed, "a force of the new daemon");

@@ -14,7 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/effort.h"
+#include "common/kidney.h"
 #include "common/pose_fixture.h"
 #include "process.h"
 #include "softsim/types.h"
@@ -25,7 +25,6 @@
 #include "softsim_server_status_t.h"
 
 #define SCENES SOURCE_DIR "/server/scenes/"
-#define KIDNEY SCENES "kidney.yaml"
 #define POKE   SCENES "kidney-poke.lcmlog"
 
 static process server, client;
@@ -73,13 +72,15 @@ TEST_WITH(duration_ends_on_its_tick, NULL, tear_down)
 {
     const char *const durations[] = {"0.3", FULL_IN_RELEASE("0.501", "0.101")};
     for (int i = FULL_IN_RELEASE(0, 1); i < 2; ++i) {
-        const char *const run[] = {"softsim-run", KIDNEY,       "--poses", POKE,
-                                   "--duration",  durations[i], "--hash",  NULL};
+        const char *const run[] = {"softsim-run", KIDNEY, "--set",      kidney_mesh(),
+                                   "--poses",     POKE,   "--duration", durations[i],
+                                   "--hash",      NULL};
         assert_int_equal(process_run(&client, run), 0);
         char wanted[32], got[32];
         last_word(client.out, wanted);
-        const char *const argv[] = {"softsimd",   KIDNEY,   "--lockstep", "--duration",
-                                    durations[i], "--hash", NULL};
+        const char *const argv[] = {"softsimd",    KIDNEY,       "--set",
+                                    kidney_mesh(), "--lockstep", "--duration",
+                                    durations[i],  "--hash",     NULL};
         serve_poke(argv);
         last_word(server.out, got);
         assert_int_equal(strlen(got), 16);
@@ -114,12 +115,12 @@ TEST_WITH(chainmail_is_felt_in_lockstep, NULL, tear_down)
     assert_true(file >= 0 && table >= 0);
     dprintf(file,
             "softsim: 1\n"
-            "object:\n  mesh: %skidney.obj\n  units: mm\n"
+            "object:\n  mesh: %s\n  units: mm\n"
             "  fixed: [{sphere: {center_m: [0, -0.017, 0], radius_m: 0.015}}]\n"
             "model: {name: chainmail}\n"
             "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 5}}}]\n"
             "simulation: {rate_hz: 1000}\n",
-            SCENES);
+            FULL_IN_LONG_RUN(KIDNEY_MESH, SMALL_MESH));
     close(file);
     close(table);
     const char *const run[] = {"softsim-run", scene,   "--poses", POKE,     "--duration",
@@ -148,19 +149,29 @@ TEST_WITH(a_budget_that_would_bind_changes_nothing, NULL, tear_down)
     const char *const duration = FULL_IN_LONG_RUN("0.2", "0.05");
     char wanted[32], got[32];
     for (int i = 0; i < 2; ++i) {
-        const char *const run[] = {"softsim-run", KIDNEY,       "--poses",
-                                   POKE,          "--duration", duration,
-                                   "--hash",      "--set",      "model.area_density_kg_m2=1e-3",
-                                   "--set",       budgets[i],   NULL};
+        const char *const run[] = {"softsim-run",
+                                   KIDNEY,
+                                   "--set",
+                                   kidney_mesh(),
+                                   "--poses",
+                                   POKE,
+                                   "--duration",
+                                   duration,
+                                   "--hash",
+                                   "--set",
+                                   "model.area_density_kg_m2=1e-3",
+                                   "--set",
+                                   budgets[i],
+                                   NULL};
         assert_int_equal(process_run(&client, run), 0);
         last_word(client.out, i == 0 ? wanted : got);
         assert_null(strstr(client.err, "max_substeps"));
     }
     assert_string_equal(got, wanted);
     const char *const argv[] = {
-        "softsimd", KIDNEY,     "--lockstep", "--duration",
-        duration,   "--hash",   "--set",      "model.area_density_kg_m2=1e-3",
-        "--set",    budgets[0], NULL};
+        "softsimd",   KIDNEY,     "--set",  kidney_mesh(), "--lockstep",
+        "--duration", duration,   "--hash", "--set",       "model.area_density_kg_m2=1e-3",
+        "--set",      budgets[0], NULL};
     serve_poke(argv);
     last_word(server.out, got);
     assert_string_equal(got, wanted);
@@ -216,7 +227,7 @@ static void send_pose(lcm_t *lcm, int64_t sender, int32_t seq, double x)
 
 TEST_WITH(answers_to_another_sender_count_nowhere, NULL, tear_down)
 {
-    const char *const argv[] = {"softsimd", KIDNEY, "--lockstep", NULL};
+    const char *const argv[] = {"softsimd", KIDNEY, "--set", kidney_mesh(), "--lockstep", NULL};
     start(argv);
     lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
     assert_non_null(lcm);

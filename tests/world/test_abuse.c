@@ -218,10 +218,11 @@ TEST(a_jittering_tracker_stops_nothing)
  * along with the hand, and so each bounce could take it further away. */
 TEST(a_bouncing_button_does_not_lose_the_tool)
 {
-    ss_world *world = make_kidney(NULL, 0);
+    ss_world *world = make_scene(KIDNEY, NULL, 0);
+    const int32_t ticks = FULL_IN_LONG_RUN(2000, FULL_IN_RELEASE(500, 200));
     double apart = 0.0, x[3] = {0.005, 0.003, free_z}, shake[3] = {0.0};
     bool is_pressed = false;
-    for (int32_t k = 1; k <= 2000; ++k) {
+    for (int32_t k = 1; k <= ticks; ++k) {
         double between[3];
         for (int a = 0; a < 3 && k > 100 && k % 3 == 0; ++a) {
             shake[a] = 0.01 * noise();
