@@ -303,7 +303,9 @@ static void add_tool_diagonal(ss_body *body, const ss_tool *tool, double *diagon
                                           diagonal);
         }
         for (int32_t i = 0; i < length; ++i) {
-            diagonal[list[i]] += body->has_skin ? 0.0 : body->skin_stiff[list[i]];
+            if (!body->has_skin) { /* a skin has more nodes than the body */
+                diagonal[list[i]] += body->skin_stiff[list[i]];
+            }
             body->skin_stiff[list[i]] = 0.0;
         }
     }
