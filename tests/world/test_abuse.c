@@ -243,7 +243,8 @@ TEST(a_bouncing_button_does_not_lose_the_tool)
         apart = fmax(apart, ss_norm3(between));
     }
     destroy(world);
-    if (!(apart < 0.075)) {
+    /* Beyond 5 cm it begins anew; and one throw of the hand, 20 mm along each axis. */
+    if (!(apart < 0.085)) {
         fail_msg("the tool was %g m from the hand", apart);
     }
 }
