@@ -5,11 +5,30 @@
 #include <math.h>
 
 #include "rt/clock.h"
+#include "rt/memory.h"
+#include "world/field.h"
+
+static void set_field(ss_loops *loops, ss_scene_field kind, const ss_surface_snapshot *snapshot,
+                      ss_field **field, float **value)
+{
+    const ss_scene *scene = loops->world->scene;
+    if (*field == NULL) {
+        *field = ss_field_create(scene, loops->world->model_class);
+        *value = ss_memory_get((size_t)scene->mesh->node_count, sizeof **value);
+    }
+    if (*field != NULL && *value != NULL) {
+        ss_field_compute(*field, kind, snapshot->displacement, *value);
+        ss_publisher_set_field(loops->publisher, ss_clock_now_ns(), snapshot->step,
+                               ss_field_name(kind), ss_field_unit(kind), *value);
+    }
+}
 
 void *ss_loops_publish(void *argument)
 {
     ss_loops *loops = argument;
     int refreshes = 0;
+    ss_field *field = NULL; /* from when one is first wanted */
+    float *value = NULL;
     int64_t due = loops->start_ns;
     double max_bytes = atomic_load_explicit(&loops->max_bytes_per_s, memory_order_acquire);
     while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
@@ -31,8 +50,15 @@ void *ss_loops_publish(void *argument)
         }
         bool is_new = false;
         const ss_surface_snapshot *snapshot = ss_mailbox_take(loops->world->surface, &is_new);
+        const ss_scene_field kind =
+            (ss_scene_field)atomic_load_explicit(&loops->field, memory_order_acquire);
+        if (kind != SS_SCENE_FIELD_NONE && snapshot && is_new) {
+            set_field(loops, kind, snapshot, &field, &value);
+        }
         ss_publisher_send(loops->publisher, ss_clock_now_ns(), snapshot ? snapshot->step : 0,
                           snapshot && is_new ? snapshot->displacement : NULL);
     }
+    ss_field_destroy(&field);
+    ss_memory_free(value);
     return NULL;
 }

@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "world/field.h"
+
 enum { PARAMETER_SIZE = 256, MAX_HULL = 1000 /* vertices of all tools together */ };
 
 static void describe_tool(const ss_shape *shape, softsim_scene_report *scene, int32_t probe)
@@ -39,7 +41,8 @@ void ss_loops_send_scene(ss_loops *loops)
         .hull = hull[0],
         .name = slash != NULL ? slash + 1 : given->path,
         .model = loops->world->model_class->name,
-        .field = "none"};
+        .field = ss_field_name(
+            (ss_scene_field)atomic_load_explicit(&loops->field, memory_order_acquire))};
     int32_t vertices = 0;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (given->tool[p].is_used) {

@@ -162,11 +162,18 @@ softsim_status ss_publisher_open(const ss_publisher_config *config, const ss_pub
 void ss_publisher_close(ss_publisher **publisher);
 /* Sends what is due at `now_ns`: topology chunks (every 2 s and after refresh), deltas of the nodes
  * that are off by more than half a count from what was last sent of them, and the rolling refresh;
- * at most two messages a call, so that a default receive buffer holds them: call it at display
- * rate. `displacement`: 3 floats a surface node, NULL when there is no new state (`step` is
- * ignored then). Thread: publish. */
+ * at most two messages a call, fields included, so that a default receive buffer holds them: call
+ * it at display rate. `displacement`: 3 floats a surface node, NULL when there is no new state
+ * (`step` is ignored then). Thread: publish. */
 void ss_publisher_send(ss_publisher *publisher, int64_t now_ns, int64_t step,
                        const float *displacement);
+/* A scalar a node goes out with the next send, in as many messages as it takes; one that has not
+ * changed once a second. What
+ * stands for the message's `low` and `high` follows the values: at once where they grow, slowly
+ * where they shrink, so that colours do not flicker. Values that are not finite are 0. Thread:
+ * publish. */
+void ss_publisher_set_field(ss_publisher *publisher, int64_t now_ns, int64_t step, const char *name,
+                            const char *unit, const float *value);
 /* Topology and every displaced node again, from the next send on. Thread: publish. */
 void ss_publisher_refresh(ss_publisher *publisher);
 /* Bytes of messages in any one second, at least 1000. Thread: publish. */

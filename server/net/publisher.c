@@ -30,6 +30,7 @@
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "softsim_mesh_delta_t.h"
+#include "softsim_mesh_field_t.h"
 #include "softsim_mesh_topology_t.h"
 
 enum {
@@ -40,12 +41,15 @@ enum {
     MOVED_BYTES = 4 + 3 * 2,
     MAX_CHUNK_NODES = (SS_WIRE_MAX_MESSAGE - TOPOLOGY_HEADER) / NODE_BYTES,
     MAX_MOVED = (SS_WIRE_MAX_MESSAGE - DELTA_HEADER) / MOVED_BYTES,
+    FIELD_HEADER = 8 + 2 * 8 + 4 * 4 + 2 * (4 + 16) + 2 * 4, /* its texts at their longest */
     MESSAGES_PER_CALL = 2,
     MAX_COUNT = 32767
 };
 static const double COUNTS_PER_DIAGONAL = 16384.0;
 static const double SWEEP_S = 0.8; /* leaves 0.2 s of the promised 1 s for the caller's period */
 static const double LATE_S = 0.2;
+static const float FIELD_FADE = 0.98F;             /* of the range, a message */
+static const int64_t FIELD_PERIOD_NS = 1000000000; /* of one that does not change */
 static const int64_t TOPOLOGY_PERIOD_NS = 2000000000;
 static const double MIN_BYTES_PER_S = 1000.0;
 
@@ -81,6 +85,16 @@ struct ss_publisher {
     int64_t sweep_kept_ns;
     int64_t step;
     int32_t delta_seq;
+
+    /* Field: the counts of the newest one, taken at the first. */
+    int16_t *field;
+    int32_t field_cursor; /* of nodes that went out */
+    int64_t field_step, field_ns;
+    float field_reach; /* the largest size lately */
+    bool is_field_signed, is_field_turn;
+    char field_name[16], field_unit[16];
+    int32_t field_seq;
+    char field_channel[SS_WIRE_CHANNEL_SIZE];
 
     /* Message being built. */
     int32_t moved_count;
@@ -289,6 +303,77 @@ static send_result send_delta(ss_publisher *publisher, int64_t now_ns)
     return SENT;
 }
 
+/* ---- fields ---- */
+
+void ss_publisher_set_field(ss_publisher *publisher, int64_t now_ns, int64_t step, const char *name,
+                            const char *unit, const float *value)
+{
+    const int32_t count = publisher->mesh.node_count;
+    float largest = 0.0F;
+    if (publisher->field == NULL) {
+        publisher->field = ss_memory_get((size_t)count, sizeof *publisher->field);
+        publisher->field_cursor = count;
+    }
+    if (publisher->field == NULL) {
+        return; /* the body is shown without */
+    }
+    if (strcmp(name, publisher->field_name) != 0) {
+        snprintf(publisher->field_name, sizeof publisher->field_name, "%s", name);
+        snprintf(publisher->field_unit, sizeof publisher->field_unit, "%s", unit);
+        publisher->field_reach = 0.0F;
+        publisher->field_ns = -FIELD_PERIOD_NS;
+        publisher->is_field_signed = false;
+    }
+    for (int32_t i = 0; i < count; ++i) {
+        const float size = fabsf(value[i]);
+        largest = isfinite(size) && size > largest ? size : largest;
+        publisher->is_field_signed |= value[i] < 0.0F;
+    }
+    const float reach = fmaxf(fmaxf(largest, FIELD_FADE * publisher->field_reach), 1e-12F);
+    bool is_changed = reach != publisher->field_reach;
+    publisher->field_reach = reach;
+    for (int32_t i = 0; i < count; ++i) {
+        const float share = isfinite(value[i]) ? value[i] / reach : 0.0F;
+        const int16_t counts =
+            (int16_t)lrintf(MAX_COUNT * (publisher->is_field_signed ? share : 2.0F * share - 1.0F));
+        is_changed |= publisher->field[i] != counts;
+        publisher->field[i] = counts;
+    }
+    if (is_changed || now_ns - publisher->field_ns >= FIELD_PERIOD_NS) {
+        publisher->field_cursor = 0;
+        publisher->field_step = step;
+        publisher->field_ns = now_ns;
+    }
+}
+
+/* False: nothing was due, or nothing could be sent. */
+static bool send_field(ss_publisher *publisher, int64_t now_ns)
+{
+    const int32_t left = publisher->mesh.node_count - publisher->field_cursor;
+    const int32_t room = (publisher->message_limit - FIELD_HEADER) / (int32_t)sizeof(int16_t);
+    const int32_t count = left < room ? left : room;
+    if (publisher->field == NULL || count < 1 ||
+        publisher->tokens < FIELD_HEADER + count * (int32_t)sizeof(int16_t)) {
+        return false;
+    }
+    const softsim_mesh_field_t wire = {.utime = now_ns / 1000,
+                                       .step = publisher->field_step,
+                                       .seq = ++publisher->field_seq,
+                                       .topology = publisher->topology,
+                                       .first_node = publisher->field_cursor,
+                                       .count = count,
+                                       .name = publisher->field_name,
+                                       .unit = publisher->field_unit,
+                                       .low = publisher->is_field_signed ? -publisher->field_reach
+                                                                         : 0.0F,
+                                       .high = publisher->field_reach,
+                                       .value = publisher->field + publisher->field_cursor};
+    publish(publisher, publisher->field_channel,
+            softsim_mesh_field_t_encode(publisher->buffer, 0, sizeof publisher->buffer, &wire));
+    publisher->field_cursor += count;
+    return true;
+}
+
 /* ---- opening ---- */
 
 /* Positive, and the same for the same mesh. */
@@ -310,8 +395,8 @@ void ss_publisher_close(ss_publisher **publisher)
     if ((*publisher)->lcm != NULL) {
         lcm_destroy((*publisher)->lcm);
     }
-    SS_EACH(ss_memory_free, (*publisher)->latest, (*publisher)->sent, (*publisher)->is_swept,
-            (*publisher)->in_message, *publisher);
+    SS_EACH(ss_memory_free, (*publisher)->field, (*publisher)->latest, (*publisher)->sent,
+            (*publisher)->is_swept, (*publisher)->in_message, *publisher);
     *publisher = NULL;
 }
 
@@ -354,10 +439,12 @@ softsim_status ss_publisher_open(const ss_publisher_config *config, const ss_pub
     publisher->tokens = (double)INFINITY; /* the bucket starts full */
     ss_publisher_set_max_bytes(publisher, config->max_bytes_per_s);
     snprintf(publisher->topology_channel, SS_WIRE_CHANNEL_SIZE, "%s_MESH_TOPOLOGY", config->prefix);
+    snprintf(publisher->field_channel, SS_WIRE_CHANNEL_SIZE, "%s_MESH_FIELD", config->prefix);
     snprintf(publisher->delta_channel, SS_WIRE_CHANNEL_SIZE, "%s_MESH_DELTA", config->prefix);
     /* Computed here, not in the loop: the generated code does it on first use. */
     __softsim_mesh_topology_t_get_hash();
     __softsim_mesh_delta_t_get_hash();
+    __softsim_mesh_field_t_get_hash();
     publisher->lcm = ss_wire_open(config->lcm_url, error);
     if (publisher->lcm == NULL) {
         status =
@@ -458,7 +545,17 @@ void ss_publisher_send(ss_publisher *publisher, int64_t now_ns, int64_t step,
         quantize(publisher, displacement);
     }
     advance(publisher, now_ns);
-    for (int i = 0; i < MESSAGES_PER_CALL && send_one(publisher, now_ns); ++i) {
+    /* A field comes first in every other call, else where the mesh leaves room. */
+    publisher->is_field_turn = !publisher->is_field_turn;
+    int room = MESSAGES_PER_CALL;
+    if (publisher->is_field_turn && send_field(publisher, now_ns)) {
+        --room;
+    }
+    while (room > 0 && send_one(publisher, now_ns)) {
+        --room;
+    }
+    if (room > 0) {
+        send_field(publisher, now_ns);
     }
     judge_lateness(publisher, now_ns);
 }

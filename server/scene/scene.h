@@ -47,6 +47,15 @@ typedef struct ss_scene_tool {
 
 typedef enum ss_scene_between { SS_SCENE_HOLD, SS_SCENE_LINEAR, SS_SCENE_LOCAL } ss_scene_between;
 
+/* What the surface's nodes are coloured by on the wire. */
+#define SS_SCENE_FIELD_CHOICES "none|displacement|energy|pressure"
+typedef enum ss_scene_field {
+    SS_SCENE_FIELD_NONE,
+    SS_SCENE_FIELD_DISPLACEMENT,
+    SS_SCENE_FIELD_ENERGY,
+    SS_SCENE_FIELD_PRESSURE
+} ss_scene_field;
+
 typedef struct ss_scene {
     char path[1024];
     char model_name[64];
@@ -69,6 +78,7 @@ typedef struct ss_scene {
         coupling_damping_n_s_per_m, max_jump_m;
     double mesh_rate_hz; /* 0: no mesh publisher */
     double max_bytes_per_s;
+    ss_scene_field field;
     ss_mesh_repairs repairs;        /* by `object.repair: true` */
     struct ss_scene_source *source; /* what was written, for ss_scene_print */
 } ss_scene;
@@ -130,6 +140,7 @@ typedef enum ss_scene_live_key {
     SS_LIVE_MAX_JUMP,
     SS_LIVE_MESH_RATE,
     SS_LIVE_MAX_BYTES,
+    SS_LIVE_FIELD,
     SS_LIVE_MODEL_ROW
 } ss_scene_live_key;
 softsim_status ss_scene_parse_live(const char *assignment, const ss_scene_model *model,

@@ -25,9 +25,9 @@
     }
 /* Of the types that check.c binds: another does not compile. */
 #define FIELD(member)                                                                              \
-    .field = 1 + (int32_t)offsetof(ss_scene, member) * _Generic(((ss_scene *)NULL)->member,        \
-                                                                double : 1, double * : 1,          \
-                                                                int32_t : 1, ss_scene_between : 1)
+    .field = 1 + (int32_t)offsetof(ss_scene, member) *                                             \
+                     _Generic(((ss_scene *)NULL)->member, double : 1, double * : 1, int32_t : 1,   \
+                              ss_scene_between : 1, ss_scene_field : 1)
 #define LIVE(key) .live = 1 + (int32_t)(key)
 
 /* Bounds that only stop nonsense: coordinates in m, and times in s. */
@@ -210,6 +210,8 @@ static const ss_scene_row publish_row[] = {
         SS_FROM(0, 1e3), .fallback = 60, FIELD(mesh_rate_hz), LIVE(SS_LIVE_MESH_RATE)),
     ROW(NUMBER, "max_bytes_per_s", "of mesh messages, topology included", .unit = "B/s",
         SS_FROM(1e4, 1e10), .fallback = 8e6, FIELD(max_bytes_per_s), LIVE(SS_LIVE_MAX_BYTES)),
+    ROW(CHOICE, "field", "a scalar of every surface node, for colouring",
+        .choices = SS_SCENE_FIELD_CHOICES, FIELD(field), LIVE(SS_LIVE_FIELD)),
 };
 
 /* ---- loads and prescribed displacements ---- */

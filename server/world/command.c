@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "world/field.h"
 #include "world/world.h"
 
 /* Commands as they come over the wire: judged, answered, and handed to the loops they concern. */
@@ -44,6 +45,14 @@ static int32_t parse_set(ss_world *world, const char *argument, ss_command_recor
     if (record->key == SS_LIVE_MESH_RATE && (!world->surface || record->value <= 0.0)) {
         snprintf(out_text, (size_t)text_size,
                  "publish.mesh_rate_hz: starting or ending the mesh publisher needs a restart");
+        return 1;
+    }
+    if (record->key == SS_LIVE_FIELD &&
+        (!world->surface ||
+         !ss_field_is_possible(world->scene, world->model_class, (ss_scene_field)record->value))) {
+        snprintf(out_text, (size_t)text_size, "publish.field: %s; use none or displacement",
+                 world->surface ? "this body has no tetrahedra with elastic moduli"
+                                : "no mesh is published (publish.mesh_rate_hz is 0)");
         return 1;
     }
     double most = INFINITY;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "world/plan.h"
+#include "world/field.h"
 
 #include <math.h>
 #include <string.h>
@@ -345,6 +346,15 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
     int32_t class_count = 0;
     world->model_class = ss_model_table(&class_count)[world->scene->model_index];
     status = plan_prescribed(world);
+    if (status == SOFTSIM_OK &&
+        !ss_field_is_possible(world->scene, world->model_class, world->scene->field)) {
+        status = SOFTSIM_ERROR_SCENE;
+        softsim_error_add(error, status,
+                          "%s: publish.field: %s has no tetrahedra with elastic moduli, so that it "
+                          "has no %s; use none or displacement",
+                          world->scene->path, world->model_class->name,
+                          ss_field_name(world->scene->field));
+    }
     if (status == SOFTSIM_OK) {
         status = build_model(world, options->step_s, error);
     }

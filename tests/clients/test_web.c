@@ -254,6 +254,14 @@ static int start_all(void **state)
     return process_wait_for(&server, "softsimd: ready") ? 0 : -1;
 }
 
+/* Also of a test that failed. */
+static int end_web(void **state)
+{
+    process_signal(&web, SIGKILL);
+    process_finish(&web);
+    return 0;
+}
+
 static int stop_all(void **state)
 {
     process_signal(&server, SIGTERM);
@@ -263,7 +271,7 @@ static int stop_all(void **state)
 
 /* ---- claims ---- */
 
-TEST(only_pages_of_ours_get_in)
+TEST_WITH(only_pages_of_ours_get_in, NULL, end_web)
 {
     int status = 0;
     char origin[128];
@@ -288,7 +296,7 @@ TEST(only_pages_of_ours_get_in)
     stop_web(0);
 }
 
-TEST(beyond_loopback_only_with_the_token)
+TEST_WITH(beyond_loopback_only_with_the_token, NULL, end_web)
 {
     static const char *const bare[] = {"softsim-web", "--host", "0.0.0.0", NULL};
     int status = 0;
@@ -305,7 +313,7 @@ TEST(beyond_loopback_only_with_the_token)
     stop_web(0);
 }
 
-TEST(a_browser_sees_the_body_and_pushes_it)
+TEST_WITH(a_browser_sees_the_body_and_pushes_it, NULL, end_web)
 {
     start_web("127.0.0.1", NULL, NULL);
     const int fd = open_browser(), other = open_browser();
@@ -357,7 +365,7 @@ TEST(a_browser_sees_the_body_and_pushes_it)
     stop_web(0);
 }
 
-TEST(a_recording_can_be_fetched_and_read)
+TEST_WITH(a_recording_can_be_fetched_and_read, NULL, end_web)
 {
     char path[512], request[256];
     start_web("127.0.0.1", NULL, folder);
@@ -382,7 +390,7 @@ TEST(a_recording_can_be_fetched_and_read)
     stop_web(0);
 }
 
-TEST(the_hostile_are_sent_away_and_the_rest_served)
+TEST_WITH(the_hostile_are_sent_away_and_the_rest_served, NULL, end_web)
 {
     char line[1024];
     start_web("127.0.0.1", NULL, NULL);
@@ -446,7 +454,7 @@ TEST(the_hostile_are_sent_away_and_the_rest_served)
 }
 
 /* One that never reads is left behind, and nobody else with it. */
-TEST(who_does_not_read_holds_up_nobody)
+TEST_WITH(who_does_not_read_holds_up_nobody, NULL, end_web)
 {
     start_web("127.0.0.1", NULL, NULL);
     const int asleep = open_browser(), awake = open_browser();
@@ -459,7 +467,7 @@ TEST(who_does_not_read_holds_up_nobody)
     stop_web(0);
 }
 
-TEST(bad_arguments_are_named)
+TEST_WITH(bad_arguments_are_named, NULL, end_web)
 {
     static const char *const bad[][3] = {{"--host", "nowhere", "give an IPv4 address"},
                                          {"--token", "short", "give 8 to 100 characters"},

@@ -16,6 +16,7 @@
 #include "net/wire.h"
 #include "rt/random.h"
 #include "softsim_mesh_delta_t.h"
+#include "softsim_mesh_field_t.h"
 #include "softsim_mesh_topology_t.h"
 
 static const int64_t MS = 1000000;
@@ -296,6 +297,61 @@ TEST(deltas_follow_the_displacements_within_half_a_count)
         sheet_send(s, step, NULL);
         assert_true(sheet_error(s) <= 0.5 + 1e-3);
     }
+    sheet_free(s);
+}
+
+static int16_t field_read[NODES];
+static float field_low, field_high;
+static int field_messages;
+
+static void read_field(const lcm_recv_buf_t *message, const char *channel, void *user)
+{
+    (void)channel;
+    sheet *s = user;
+    note_size(s, message);
+    softsim_mesh_field_t f;
+    const int size = (int)message->data_size;
+    assert_int_equal(softsim_mesh_field_t_decode(message->data, 0, size, &f), size);
+    assert_string_equal(f.name, "pressure");
+    assert_string_equal(f.unit, "Pa");
+    assert_true(f.first_node >= 0 && f.count > 0 && f.first_node + f.count <= NODES);
+    memcpy(field_read + f.first_node, f.value, (size_t)f.count * sizeof *f.value);
+    field_low = f.low;
+    field_high = f.high;
+    ++field_messages;
+    softsim_mesh_field_t_decode_cleanup(&f);
+}
+
+/* Each value within half a count of the range, which holds them all; one that stands still comes
+ * once a second; what is not finite is 0. */
+TEST(a_field_follows_its_values)
+{
+    static float value[NODES];
+    sheet *s = sheet_make(1e7);
+    lcm_subscribe(ss_publisher_lcm(s->publisher), "M_MESH_FIELD", read_field, s);
+    for (int round = 0; round < 3; ++round) {
+        for (int32_t i = 0; i < NODES; ++i) {
+            value[i] = (float)(round + 1) * ((float)i - 4000.0F);
+        }
+        value[7] = round == 1 ? (float)UNKNOWN : 0.0F;
+        ss_publisher_set_field(s->publisher, s->now_ns, round, "pressure", "Pa", value);
+        for (int i = 0; i < 5; ++i) {
+            sheet_send(s, 0, NULL);
+        }
+        const float count = (field_high - field_low) / 65534.0F;
+        assert_true(field_high >= 4099.0F * (float)(round + 1) && field_low == -field_high);
+        for (int32_t i = 0; i < NODES; ++i) {
+            const float wanted = i == 7 ? 0.0F : value[i];
+            const float read = ((float)field_read[i] / 32767.0F) * field_high;
+            assert_true(fabsf(read - wanted) <= 0.6F * count);
+        }
+    }
+    field_messages = 0;
+    for (int i = 0; i < 200; ++i) { /* 3.2 s */
+        ss_publisher_set_field(s->publisher, s->now_ns, 3, "pressure", "Pa", value);
+        sheet_send(s, 0, NULL);
+    }
+    assert_in_range(field_messages, 2, 4);
     sheet_free(s);
 }
 
