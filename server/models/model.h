@@ -58,6 +58,10 @@ typedef struct ss_model_plan {
     int32_t threads;          /* for set-up work; results do not depend on it */
 } ss_model_plan;
 
+/* The value of parameter row `row` in tetrahedron `e`: its own, or the mean of its corners. Thread:
+ * any. */
+double ss_plan_element_value(const ss_model_plan *plan, int row, int32_t e);
+
 typedef struct ss_model ss_model;
 
 /* Where one tool goes during a step. */

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "models/common/plan.h"
 #include "models/tissue_law.h"
 #include "rt/each.h"
 #include "rt/memory.h"

@@ -19,8 +19,6 @@ void ss_number_list_add(ss_number_list *list, int32_t number);
 
 /* A parameter's value at a node. */
 double ss_plan_node_value(const ss_param_value *value, int32_t node);
-/* The value of parameter row `row` in tetrahedron `e`: its own, or the mean of its corners. */
-double ss_plan_element_value(const ss_model_plan *plan, int row, int32_t e);
 
 /* Viscosity of every tetrahedron (Pa s), by three rows of the model's: phi and psi as given and a
  * time T of stiffness damping: phi = phi_given + T max(lambda, 0), psi = psi_given + T mu. lambda,
