@@ -595,7 +595,8 @@ static void remember_force(ss_haptic *haptic, int64_t tick)
                                   .tick = tick,
                                   .pose_tick = haptic->pose_tick,
                                   .pose_utime_us = haptic->pose.utime_us,
-                                  .force = {force->force[0], force->force[1], force->force[2]}};
+                                  .force = {force->force[0], force->force[1], force->force[2]},
+                                  .torque = {force->torque[0], force->torque[1], force->torque[2]}};
     ss_observer_force(&haptic->observer, &record);
     ss_copy3(haptic->last_force, force->force);
     haptic->digest = ss_hash_bytes(haptic->digest, force->force, sizeof force->force);

@@ -269,14 +269,14 @@ void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
 typedef struct ss_past_force {
     int32_t seq;
     int64_t tick, pose_tick, pose_utime_us;
-    double force[3];
+    double force[3], torque[3]; /* N, N m */
 } ss_past_force;
 
 typedef struct ss_observer {
     /* state: energy */
     bool has_sample, is_in_contact;
     bool is_told; /* the device says which force was in effect */
-    double x[3];
+    double x[3], orientation[4];
     int32_t force_seq;
     double energy, worst, to_device, from_device; /* J */
     int64_t contacts;                             /* so far */

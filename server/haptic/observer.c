@@ -4,12 +4,13 @@
  * What the device's side of the loop really did: energy per contact, the loop's delay, and the
  * stiffness that this delay allows.
  *
- * Energy taken from the device over one contact: E = sum -F . (x_j - x_{j-1}), where F is what the
- * device exerted between the two samples: its own `applied_force`, else the force that
- * `force_seq` of pose j-1 names, else the one handed out tau before. E starts at 0 at each first
- * touch, so that a good contact never shows a debt; negative means that the hand was given energy.
- * The server's own pairs of pose and force cannot see the delay of the way: in a limit cycle they
- * report absorption where the hand is being driven.
+ * Energy taken from the device over one contact: E = sum -F . (x_j - x_{j-1}) - M . turn, where F
+ * is what the device exerted between the two samples: its own `applied_force`, else the force that
+ * `force_seq` of pose j-1 names, else the one handed out tau before. The torque M goes with a force
+ * that is named or handed out; a device that tells its own has told no torque. E starts at 0 at
+ * each first touch, so that a good contact never shows a debt; negative means that the hand was
+ * given energy. The server's own pairs of pose and force cannot see the delay of the way: in a
+ * limit cycle they report absorption where the hand is being driven.
  *
  * Delay: tau = age, on the device's own clock, of the pose that the force in effect answers. The
  * 95th percentile of the last second counts; 5 ms until known.
@@ -81,10 +82,11 @@ void ss_observer_force(ss_observer *observer, const ss_past_force *record)
     observer->last_seq = record->seq;
 }
 
-/* The force over the interval that ends with `pose`. */
+/* Force and torque over the interval that ends with `pose`. */
 static void applied_force(const ss_observer *observer, const ss_haptic_config *config,
-                          const softsim_pose *pose, double out[3])
+                          const softsim_pose *pose, double out[3], double out_torque[3])
 {
+    ss_set3(out_torque, 0.0, 0.0, 0.0);
     if (ss_is_finite(pose->applied_force, 3)) {
         ss_copy3(out, pose->applied_force);
         return;
@@ -99,9 +101,11 @@ static void applied_force(const ss_observer *observer, const ss_haptic_config *c
         return;
     }
     ss_copy3(out, record->force);
+    ss_copy3(out_torque, record->torque);
 }
 
-static void add_energy(ss_observer *observer, const double force[3], const double x[3])
+static void add_energy(ss_observer *observer, const double force[3], const double torque[3],
+                       const softsim_pose *pose)
 {
     const bool is_in_contact = ss_norm3(force) > CONTACT_FORCE;
     if (is_in_contact && !observer->is_in_contact) {
@@ -112,9 +116,10 @@ static void add_energy(ss_observer *observer, const double force[3], const doubl
     if (!is_in_contact) {
         return;
     }
-    double move[3];
-    ss_sub3(move, x, observer->x);
-    const double taken = -ss_dot3(force, move);
+    double move[3], turn[3];
+    ss_sub3(move, pose->position, observer->x);
+    ss_turn_between(observer->orientation, pose->orientation, turn);
+    const double taken = -ss_dot3(force, move) - ss_dot3(torque, turn);
     if (!isfinite(taken)) {
         return;
     }
@@ -190,13 +195,14 @@ void ss_observer_pose(ss_observer *observer, const ss_haptic_config *config,
 {
     observer->is_told = ss_is_finite(pose->applied_force, 3) || pose->force_seq >= 0;
     if (observer->has_sample) {
-        double force[3];
-        applied_force(observer, config, pose, force);
-        add_energy(observer, force, pose->position);
+        double force[3], torque[3];
+        applied_force(observer, config, pose, force, torque);
+        add_energy(observer, force, torque, pose);
     }
     add_delay(observer, config, pose, tick);
     observer->has_sample = true;
     ss_copy3(observer->x, pose->position);
+    memcpy(observer->orientation, pose->orientation, sizeof observer->orientation);
     observer->force_seq = pose->force_seq;
 }
 

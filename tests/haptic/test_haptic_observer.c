@@ -56,6 +56,76 @@ TEST(observer_sees_the_gift_of_delay)
     free(observer);
 }
 
+/* A long tool that is twisted to and fro about its axis against a lossless spring answered n ticks
+ * late: the same sum, of torque and angle. A device that tells its own force has told no torque. */
+TEST(observer_sees_the_work_of_a_torque)
+{
+    ss_haptic_config config = default_config();
+    config.is_lockstep = false;
+    ss_observer *observer = calloc(1, sizeof *observer);
+    assert_non_null(observer);
+    const double k = 0.05, a = 0.3, w = 4.0 * SS_PI; /* N m/rad, rad, rad/s */
+    enum { PERIOD = 500, DELAY = 5 };
+    for (int is_own = 0; is_own < 2; ++is_own) {
+        memset(observer, 0, sizeof *observer);
+        ss_observer_restart(observer, &config, false);
+        for (int n = 0; n < PERIOD + DELAY; ++n) {
+            const double angle = a * (1.0 - cos(w * n * T));
+            softsim_pose pose = {.seq = n + 1,
+                                 .utime_us = 1000 * n,
+                                 .force_seq = n >= DELAY ? n - DELAY + 1 : -1,
+                                 .orientation = {cos(0.5 * angle), 0, 0, sin(0.5 * angle)},
+                                 .applied_force = {NAN, NAN, NAN}};
+            if (is_own) {
+                ss_set3(pose.applied_force, 0.0, 0.0, 1.0);
+            }
+            ss_observer_pose(observer, &config, &pose, n + 1);
+            const ss_past_force force = {.seq = n + 1,
+                                         .tick = n + 1,
+                                         .pose_tick = n + 1,
+                                         .pose_utime_us = 1000 * n,
+                                         .force = {0, 0, 1.0}, /* on a hand that stays */
+                                         .torque = {0, 0, -k * angle}};
+            ss_observer_force(observer, &force);
+        }
+        const double tau = DELAY * T;
+        const double gift =
+            is_own ? 0.0 : k * a * a * PERIOD * sin(0.5 * w * T) * sin(w * (tau + 0.5 * T));
+        const double balance = observer->from_device - observer->to_device;
+        print_message("gift %g of %g J\n", -balance, gift);
+        assert_near(balance, -gift, 0.01 * gift);
+    }
+    free(observer);
+}
+
+/* The same through the loop: a long tool lies with its end, 30 mm off, on tissue, and the hand
+ * turns it into it about its middle, or out of it. */
+TEST(a_turned_tool_takes_and_gives_work)
+{
+    const double k = 500.0, depth = 2e-3, arm = 0.03, step = 1e-4; /* rad a tick */
+    for (int way = -1; way <= 1; way += 2) {
+        rig r;
+        ss_haptic_config config = default_config();
+        config.tool_gyration = 0.01;
+        rig_start(&r, &config);
+        rig_press(&r, k, depth);
+        double before = 0.0, force = 0.0;
+        for (int n = 0; n < 40; ++n) {
+            const double angle = way * step * (n < 10 ? 0 : n < 30 ? n - 9 : 20);
+            rig_result(&r, k, depth, 1);
+            r.result.set.contact[0].point[0] = arm;
+            r.pose.force_seq = r.out.force.seq;
+            r.pose.orientation[0] = cos(0.5 * angle);
+            r.pose.orientation[2] = sin(0.5 * angle);
+            force = rig_tick(&r, -depth);
+            before = n == 9 ? r.out.contact_j : before;
+        }
+        const double work = way * arm * force * 20 * step;
+        assert_near(r.out.contact_j - before, work, 0.02 * arm * force * 20 * step);
+        rig_end(&r);
+    }
+}
+
 TEST(applied_force_of_the_device_counts_first)
 {
     const ss_haptic_config config = default_config();
