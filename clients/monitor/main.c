@@ -132,9 +132,7 @@ int main(int argc, char **argv)
         {"--command", SS_ARG_STRING, &command, 0, 0, "'NAME[ ARGUMENT]'",
          "sends reset, pause, resume, refresh, status, shutdown or 'set PATH=VALUE', prints the "
          "reply"},
-        {"--lcm-url", SS_ARG_STRING, &config.lcm_url, 0, 0, "URL",
-         "LCM network (LCM_DEFAULT_URL, else local multicast)"},
-        {"--prefix", SS_ARG_STRING, &config.prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
+        SS_ARG_BUS(&config.lcm_url, &config.prefix),
     };
     softsim_error error = {.status = SOFTSIM_OK};
     const char *program = program_invocation_short_name;

@@ -52,9 +52,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
          "OUT.part once a second, and OUT when all poses are played"},
         {"--convert", SS_ARG_FLAG, &o->is_convert, 0, 0, NULL,
          "write the poses as an event log instead of playing them"},
-        {"--lcm-url", SS_ARG_STRING, &o->lcm_url, 0, 0, "URL",
-         "LCM network (LCM_DEFAULT_URL, else local multicast)"},
-        {"--prefix", SS_ARG_STRING, &o->prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
+        SS_ARG_BUS(&o->lcm_url, &o->prefix),
     };
     const char *positional[2] = {NULL, NULL};
     int32_t count = 0;

@@ -90,9 +90,7 @@ int main(int argc, char **argv)
         {"--record-dir", SS_ARG_STRING, &o.record_dir, 0, 0, "DIR",
          "where recordings stay (a folder that is removed at the end)"},
         {"--duration", SS_ARG_NUMBER, &o.duration_s, 1e-3, 1e6, "S", "ends after S"},
-        {"--lcm-url", SS_ARG_STRING, &o.lcm_url, 0, 0, "URL",
-         "LCM network (LCM_DEFAULT_URL, else local multicast)"},
-        {"--prefix", SS_ARG_STRING, &o.prefix, 0, 0, "NAME", "of the channels (SOFTSIM)"},
+        SS_ARG_BUS(&o.lcm_url, &o.prefix),
     };
     softsim_error error = {.status = SOFTSIM_OK};
     const char *program = program_invocation_short_name;

@@ -82,10 +82,29 @@ static bool fault_cut(reader *r, const char *what, int64_t index, int64_t count)
     return false;
 }
 
+/* As many rows as the first line announces, and nothing after them. */
+static bool read_rows(reader *r, bool (*read_row)(reader *r, int64_t index, const int64_t *head),
+                      const int64_t *head, const char *what)
+{
+    for (int64_t i = 0; i < head[0]; ++i) {
+        if (!read_row(r, i, head)) {
+            return false;
+        }
+    }
+    ss_text_span line;
+    if (next_line(r->text, &line)) {
+        ss_text_fault(r->text, "more than the %lld %s announced: correct the first line",
+                      (long long)head[0], what);
+        return false;
+    }
+    return true;
+}
+
 /* ---- points ---- */
 
-static bool read_node(reader *r, int32_t index, const int64_t head[4])
+static bool read_node(reader *r, int64_t row, const int64_t *head)
 {
+    const int32_t index = (int32_t)row;
     ss_text_span line;
     double x[3];
     double skipped = 0.0;
@@ -148,18 +167,8 @@ static bool read_nodes(reader *r)
         !ss_draft_make_field(r->draft, &r->field, head[0])) {
         return false;
     }
-    for (int32_t i = 0; i < head[0]; ++i) {
-        if (!read_node(r, i, head)) {
-            return false;
-        }
-    }
-    ss_text_span line;
-    if (next_line(r->text, &line)) {
-        ss_text_fault(r->text, "more than the %lld points announced: correct the first line",
-                      (long long)head[0]);
-        return false;
-    }
-    return ss_draft_sort_tags(r->draft) && (head[3] == 0 || keep_markers(r));
+    return read_rows(r, read_node, head, "points") && ss_draft_sort_tags(r->draft) &&
+           (head[3] == 0 || keep_markers(r));
 }
 
 /* ---- tetrahedra ---- */
@@ -173,7 +182,7 @@ static void set_region(reader *r, int64_t index, double region)
     }
 }
 
-static bool read_element(reader *r, int64_t index, const int64_t head[3])
+static bool read_element(reader *r, int64_t index, const int64_t *head)
 {
     ss_text_span line;
     int64_t tag = 0;
@@ -245,18 +254,8 @@ static bool read_elements(reader *r)
         !ss_draft_make_field(r->draft, &r->field, head[0])) {
         return false;
     }
-    for (int64_t i = 0; i < head[0]; ++i) {
-        if (!read_element(r, i, head)) {
-            return false;
-        }
-    }
-    ss_text_span line;
-    if (next_line(r->text, &line)) {
-        ss_text_fault(r->text, "more than the %lld tetrahedra announced: correct the first line",
-                      (long long)head[0]);
-        return false;
-    }
-    return r->text->fault_count == 0 && (head[2] == 0 || keep_regions(r));
+    return read_rows(r, read_element, head, "tetrahedra") && r->text->fault_count == 0 &&
+           (head[2] == 0 || keep_regions(r));
 }
 
 softsim_status ss_mesh_parse_tetgen(ss_text *nodes, ss_text *elements, double metres_per_unit,

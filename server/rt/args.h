@@ -36,6 +36,18 @@ typedef struct ss_arg {
     const char *help;  /* each of its lines stands below the first */
 } ss_arg;
 
+/* The row of a client's LCM network, and with that of its channels. */
+#define SS_ARG_LCM_URL(at)                                                                         \
+    {                                                                                              \
+        "--lcm-url", SS_ARG_STRING, (at), 0, 0, "URL",                                             \
+            "LCM network (LCM_DEFAULT_URL, else local multicast)"                                  \
+    }
+#define SS_ARG_BUS(url_at, prefix_at)                                                              \
+    SS_ARG_LCM_URL(url_at),                                                                        \
+    {                                                                                              \
+        "--prefix", SS_ARG_STRING, (prefix_at), 0, 0, "NAME", "of the channels (SOFTSIM)"          \
+    }
+
 typedef enum ss_args_result { SS_ARGS_RUN, SS_ARGS_DONE, SS_ARGS_BAD } ss_args_result;
 
 /* `usage` is the line after the program's name ("[options] SCENE.yaml"), `about` one sentence.

@@ -16,20 +16,9 @@
 #include "bench/felt/play.h"
 #include "common/effort.h"
 #include "common/folder_fixture.h"
+#include "common/load_fixture.h"
 #include "rt/vec.h"
 #include "world/world.h"
-
-static ss_scene *load(const char *path)
-{
-    ss_scene_model models[SS_MAX_MODELS];
-    const int32_t count = ss_world_scene_models(models);
-    ss_scene *scene = NULL;
-    softsim_error error = {.status = SOFTSIM_OK};
-    assert_int_equal(
-        ss_scene_load(path, NULL, 0, models, count, BIN_DIR "/softsim-import", &scene, &error),
-        SOFTSIM_OK);
-    return scene;
-}
 
 /* A plane of 0.2 x 0.1 m in z = 0, its rim held; a capsule of 4 mm, 10 mm long. */
 static ss_scene *load_plane(void)

@@ -15,22 +15,11 @@
 #include "bench/felt/slide.h"
 #include "common/effort.h"
 #include "common/folder_fixture.h"
+#include "common/load_fixture.h"
 #include "rt/vec.h"
 #include "world/world.h"
 
 /* ---- ways ---- */
-
-static ss_scene *load(const char *path)
-{
-    ss_scene_model models[SS_MAX_MODELS];
-    const int32_t count = ss_world_scene_models(models);
-    ss_scene *scene = NULL;
-    softsim_error error = {.status = SOFTSIM_OK};
-    assert_int_equal(
-        ss_scene_load(path, NULL, 0, models, count, BIN_DIR "/softsim-import", &scene, &error),
-        SOFTSIM_OK);
-    return scene;
-}
 
 /* A grid that is held in boxes, with a ball of 8 mm. */
 static ss_scene *load_grid(const char *grid, const char *fixed_m)

@@ -62,24 +62,31 @@ static double distance(const ss_mesh *mesh, int32_t a, int32_t b)
     return ss_norm3(d);
 }
 
+double ss_body_mean_side(const ss_mesh *mesh)
+{
+    double sum = 0.0;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        for (int a = 0; a < 3; ++a) {
+            sum += distance(mesh, mesh->triangle[t][a], mesh->triangle[t][(a + 1) % 3]);
+        }
+    }
+    return sum / (3.0 * mesh->triangle_count);
+}
+
 double ss_body_mean_edge(const ss_mesh *mesh)
 {
-    double sum = 0.0, count = 0.0;
+    if (mesh->tetrahedron_count == 0) {
+        return mesh->triangle_count > 0 ? ss_body_mean_side(mesh) : 0.0;
+    }
+    double sum = 0.0;
     for (int32_t t = 0; t < mesh->tetrahedron_count; ++t) {
         for (int a = 0; a < 4; ++a) {
             for (int b = a + 1; b < 4; ++b) {
                 sum += distance(mesh, mesh->tetrahedron[t][a], mesh->tetrahedron[t][b]);
-                count += 1.0;
             }
         }
     }
-    for (int32_t t = 0; mesh->tetrahedron_count == 0 && t < mesh->triangle_count; ++t) {
-        for (int a = 0; a < 3; ++a) {
-            sum += distance(mesh, mesh->triangle[t][a], mesh->triangle[t][(a + 1) % 3]);
-            count += 1.0;
-        }
-    }
-    return count > 0.0 ? sum / count : 0.0;
+    return sum / (6.0 * mesh->tetrahedron_count);
 }
 
 /* Runge-Kutta: |z| on the imaginary axis, the least anywhere else on the boundary of its region of

@@ -143,6 +143,8 @@ void ss_body_volume_masses(const ss_mesh *mesh, const double *density, bool per_
 void ss_body_area_masses(const ss_mesh *mesh, const double *density, double *out_mass);
 /* Mean length of the edges of tetrahedra, else of triangles, m. */
 double ss_body_mean_edge(const ss_mesh *mesh);
+/* The mean side of its triangles, m. */
+double ss_body_mean_side(const ss_mesh *mesh);
 /* The largest stable step (s) of an explicit method for modes up to sqrt(rate2), 1/s^2, viscosity
  * viscous_time times the stiffness (lagged, as forces see v) and mass damping (1/s): 2/omega
  * (sqrt(1 + zeta^2) - zeta), zeta = viscous_time omega / 2; Runge-Kutta: within its region of

@@ -106,6 +106,10 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
 softsim_status ss_fem_material_read(const ss_model_plan *plan, const char *name, ss_arena *arena,
                                     ss_fem_material *out_material, softsim_error *error);
 
+/* The speed of sound over the least height, of the element where that is most, 1/s: the stable step
+ * of a regular element is its reciprocal but for a tenth or two. */
+double ss_fem_sound_rate(const ss_mesh *mesh, const ss_fem_material *material);
+
 /* Fraction of the stable step that sub-steps take; fem_stability.c counts on it. */
 #define SS_FEM_STEP_SHARE 0.5
 

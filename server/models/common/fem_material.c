@@ -10,6 +10,7 @@
  */
 #include <math.h>
 
+#include "mesh/tetrahedron.h"
 #include "models/common/plan.h"
 
 /* Above this Poisson's ratio the cure for locking is on by itself. A second sweep makes a sub-step
@@ -128,4 +129,22 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
         fill_own(plan, out_material);
     }
     return status;
+}
+
+double ss_fem_sound_rate(const ss_mesh *mesh, const ss_fem_material *material)
+{
+    double rate = 0.0;
+    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
+        const int32_t *c = mesh->tetrahedron[e];
+        const double(*x)[3] = (const double(*)[3])mesh->position;
+        double gradient[4][3], largest = 0.0;
+        (void)ss_tetrahedron_gradients(x[c[0]], x[c[1]], x[c[2]], x[c[3]], gradient);
+        for (int a = 0; a < 4; ++a) {
+            largest = fmax(largest, ss_norm3(gradient[a]));
+        }
+        const double speed =
+            sqrt((material->lambda[e] + 2.0 * material->mu[e]) / material->density[e]);
+        rate = fmax(rate, speed * largest);
+    }
+    return rate;
 }

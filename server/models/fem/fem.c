@@ -15,7 +15,6 @@
  */
 #include <math.h>
 
-#include "mesh/tetrahedron.h"
 #include "rt/memory.h"
 
 struct ss_model {
@@ -37,26 +36,6 @@ static const ss_param_row rows[SS_FEM_ROW_COUNT] = {SS_FEM_ROWS};
 #define COST_STEP    5.0
 #define COST_TOOL    15.0
 
-/* Sub-steps of a millisecond, from the least height of an element against the speed of sound: that
- * is the stable step of a regular element but for a tenth or two. */
-static double substeps_of_ms(const ss_model_plan *plan, const ss_fem_material *material)
-{
-    double rate = 0.0;
-    for (int32_t e = 0; e < plan->mesh->tetrahedron_count; ++e) {
-        const int32_t *c = plan->mesh->tetrahedron[e];
-        const double(*x)[3] = (const double(*)[3])plan->mesh->position;
-        double gradient[4][3], largest = 0.0;
-        (void)ss_tetrahedron_gradients(x[c[0]], x[c[1]], x[c[2]], x[c[3]], gradient);
-        for (int a = 0; a < 4; ++a) {
-            largest = fmax(largest, ss_norm3(gradient[a]));
-        }
-        const double speed =
-            sqrt((material->lambda[e] + 2.0 * material->mu[e]) / material->density[e]);
-        rate = fmax(rate, speed * largest);
-    }
-    return fmax(1.0, 1e-3 * rate / SS_FEM_STEP_SHARE);
-}
-
 static double step_cost_us(const ss_model_plan *plan)
 {
     ss_arena arena = {0};
@@ -66,7 +45,9 @@ static double step_cost_us(const ss_model_plan *plan)
         const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0) +
                                (material.is_averaged ? COST_CURE : 0.0);
         const double sweeps = material.integrator == SS_BODY_RK4 ? 4.0 / 1.4 : 1.0;
-        cost += substeps_of_ms(plan, &material) * sweeps * element * plan->mesh->tetrahedron_count;
+        const double substeps =
+            fmax(1.0, 1e-3 * ss_fem_sound_rate(plan->mesh, &material) / SS_FEM_STEP_SHARE);
+        cost += substeps * sweeps * element * plan->mesh->tetrahedron_count;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         cost += plan->tool[k].is_used ? COST_TOOL : 0.0;

@@ -133,20 +133,6 @@ static double mean_sigma(const ss_quadratic_raised *raised, const double *mass)
     return total > 0.0 ? sum / total : 0.0;
 }
 
-static double mean_edge(const ss_mesh *mesh)
-{
-    double sum = 0.0;
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        for (int k = 0; k < 3; ++k) {
-            double d[3];
-            ss_sub3(d, mesh->position[mesh->triangle[t][k]],
-                    mesh->position[mesh->triangle[t][(k + 1) % 3]]);
-            sum += ss_norm3(d);
-        }
-    }
-    return sum / (3.0 * mesh->triangle_count);
-}
-
 softsim_status ss_quadratic_skin_create(const ss_quadratic_raised *raised, const double *mass,
                                         ss_arena *arena, ss_quadratic_skin *skin)
 {
@@ -176,7 +162,7 @@ softsim_status ss_quadratic_skin_create(const ss_quadratic_raised *raised, const
         for (size_t f = 0; f < faces; ++f) {
             add_face(&b, (int32_t)f);
         }
-        skin->edge = mean_edge(&skin->mesh);
+        skin->edge = ss_body_mean_side(&skin->mesh);
         ss_quadratic_skin_list(skin, NULL, NULL);
     }
     ss_memory_free(b.corner);

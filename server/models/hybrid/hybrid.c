@@ -87,20 +87,6 @@ static softsim_status create_layer(ss_hybrid *hybrid, const ss_model_plan *plan,
     return status;
 }
 
-static double mean_skin_edge(const ss_mesh *mesh)
-{
-    double sum = 0.0;
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        for (int k = 0; k < 3; ++k) {
-            double d[3];
-            ss_sub3(d, mesh->position[mesh->triangle[t][k]],
-                    mesh->position[mesh->triangle[t][(k + 1) % 3]]);
-            sum += ss_norm3(d);
-        }
-    }
-    return sum / (3.0 * mesh->triangle_count);
-}
-
 static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *plan,
                                       softsim_error *error)
 {
@@ -139,7 +125,7 @@ static softsim_status read_parameters(ss_hybrid *hybrid, const ss_model_plan *pl
            (size_t)plan->mesh->tetrahedron_count * sizeof(double));
     hybrid->is_locking = hybrid->material.is_averaged;
     hybrid->material.is_averaged = false;
-    hybrid->skin_edge = mean_skin_edge(plan->mesh);
+    hybrid->skin_edge = ss_body_mean_side(plan->mesh);
     hybrid->least_spacing = coarsest;
     for (int32_t p = 0; p < layer->count; ++p) {
         hybrid->least_spacing = fmin(hybrid->least_spacing, layer->spacing[p]);

@@ -3,6 +3,7 @@
 #pragma once
 /* Bodies of tetrahedra with their insides open: shared by the tests of fem. cmocka comes first. */
 #include "common/block_fixture.h"
+#include "common/quads_fixture.h"
 #include "common/setup_fixture.h"
 #include "mesh/tetrahedron.h"
 #include "models/common/body.h"
@@ -115,22 +116,6 @@ static inline int32_t squeezed(const setup *s, double share)
 }
 
 /* ---- fields ---- */
-
-static inline ss_real *quads(int32_t node_count)
-{
-    return ss_memory_get(((size_t)node_count + 7) / 8 * 8 * 4, sizeof(ss_real));
-}
-
-static inline ss_real *random_quads(int32_t node_count, double size)
-{
-    ss_real *q = quads(node_count);
-    for (int32_t i = 0; i < node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            q[4 * (ptrdiff_t)i + k] = (ss_real)(size * random_unit());
-        }
-    }
-    return q;
-}
 
 static inline double dot_quads(int32_t node_count, const ss_real *a, const ss_real *b)
 {

@@ -3,6 +3,7 @@
 #pragma once
 /* Bodies of ten-node tetrahedra with their insides open. cmocka comes first. */
 #include "common/block_fixture.h"
+#include "common/quads_fixture.h"
 #include "common/setup_fixture.h"
 #include "models/fem_quadratic/quadratic.h"
 #include "rt/memory.h"
@@ -51,20 +52,4 @@ static inline void open_fini(open_body *b)
 {
     ss_arena_free(&b->arena);
     setup_fini(&b->s);
-}
-
-static inline ss_real *quads(int32_t node_count)
-{
-    return ss_memory_get(((size_t)node_count + 7) / 8 * 8 * 4, sizeof(ss_real));
-}
-
-static inline ss_real *random_quads(int32_t node_count, double size)
-{
-    ss_real *q = quads(node_count);
-    for (int32_t i = 0; i < node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            q[4 * (ptrdiff_t)i + k] = (ss_real)(size * random_unit());
-        }
-    }
-    return q;
 }
