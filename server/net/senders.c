@@ -7,6 +7,8 @@
 static const double MEMORY_S = 1.0;
 static const int32_t NEWCOMERS_PART = 4; /* one in so many */
 static const double LEFT_PART = 0.5;
+/* Said ten minutes ago; less would end as a subnormal number, which is slow and never gets to 0. */
+static const double FORGOTTEN = 1e-300;
 /* What known ones do not use, newcomers may. Half of the other half is still more than one may say
  * (net.c). */
 static const double LENT_PART = 0.5;
@@ -27,9 +29,10 @@ static void forget(ss_senders *senders, int64_t now_ns)
     }
     const double kept = exp(-1e-9 * (double)(now_ns - senders->now_ns) / MEMORY_S);
     for (int32_t i = 0; i < senders->count; ++i) {
-        senders->said[i] *= kept;
+        senders->said[i] = senders->said[i] > FORGOTTEN ? kept * senders->said[i] : 0.0;
     }
-    senders->said_by_known *= kept;
+    senders->said_by_known =
+        senders->said_by_known > FORGOTTEN ? kept * senders->said_by_known : 0.0;
     senders->now_ns = now_ns;
 }
 

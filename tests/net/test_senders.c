@@ -178,6 +178,18 @@ TEST(who_paused_has_said_all_it_may)
     assert_true(say(&senders, 1, START + 1012 * MS)); /* one in a hundredth of a second */
 }
 
+/* A tiny number would be multiplied for ever. */
+TEST(what_was_said_is_forgotten_at_last)
+{
+    ss_senders senders = ss_senders_make(ONE_PER_S, ALL_PER_S);
+    say(&senders, 1, START);
+    say(&senders, 1, START);
+    for (int i = 1; i < 800 * 100; ++i) {
+        ss_senders_hear(&senders, 2, START + i * 10 * MS);
+    }
+    assert_true(senders.said[0] == 0.0);
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);
