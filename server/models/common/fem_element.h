@@ -29,6 +29,7 @@ typedef struct element {
     ss_wide volume, lambda, mu, pressure; /* times V */
     ss_wide kappa, phi, psi;              /* times V; phi and psi where there is viscosity */
     tensor h;
+    bool is_held; /* neo-hookean's factor, see floor_of */
 } element;
 
 /* Sums over blocks. */
@@ -300,8 +301,8 @@ SS_INLINE ss_wide above_guard(const tensor *h)
 
 /* ---- neo-hookean's factor ---- */
 
-/* a^(-1/3) for normal a > 0: a guess from the exponent, good to 4 %, then Newton. */
-SS_INLINE ss_wide inverse_cube_root(ss_wide a)
+/* a^(-1/3) for normal a > 0 from its exponent, good to 4 %. */
+SS_INLINE ss_wide cube_root_guess(ss_wide a)
 {
     _Alignas(32) ss_real lane[SS_WIDE_LANES];
     ss_wide_store(lane, a);
@@ -317,7 +318,13 @@ SS_INLINE ss_wide inverse_cube_root(ss_wide a)
 #endif
         memcpy(&lane[k], &bits, sizeof bits);
     }
-    ss_wide y = ss_wide_load(lane);
+    return ss_wide_load(lane);
+}
+
+/* By Newton's method. */
+SS_INLINE ss_wide inverse_cube_root(ss_wide a)
+{
+    ss_wide y = cube_root_guess(a);
     for (int k = 0; k < (sizeof(ss_real) == 8 ? 4 : 3); ++k) {
         y = y * ss_wide_fnma(a * y, y * y, all(4.0)) * all(1.0 / 3.0);
     }
@@ -329,19 +336,36 @@ typedef struct factor {
     ss_wide g1, slope, bend;
 } factor;
 
-SS_INLINE factor isochoric_factor(ss_wide j)
+/* Where J^(-2/3) ends: SS_TISSUE_FLOOR, and the parabola of tissue_law.c below it; or where it is
+ * held SS_FEM_HELD_FLOOR, and a straight line, which does not throw a tangled body apart. */
+SS_INLINE double floor_of(bool is_held)
 {
-    const ss_wide at = ss_wide_most(j, all(SS_TISSUE_FLOOR - 1.0)), ratio = all(1.0) + at;
-    const ss_wide below = j - at, y = inverse_cube_root(ratio), inverse = all(1.0) / ratio;
+    return is_held ? SS_FEM_HELD_FLOOR : SS_TISSUE_FLOOR;
+}
+
+/* From y = ratio^(-1/3), ratio 1 + j or the floor if that is more. */
+SS_INLINE factor isochoric_factor_of(bool is_held, ss_wide j, ss_wide y)
+{
+    const ss_wide at = ss_wide_most(j, all(floor_of(is_held) - 1.0)), ratio = all(1.0) + at;
+    const ss_wide below = j - at, inverse = all(1.0) / ratio;
     /* y^3 = 1/J gives y - 1 without cancellation. */
     const ss_wide y1 = all(0.0) - at * inverse / (all(1.0) + y + y * y);
     factor f;
     f.g1 = y1 * (y + all(1.0));
     f.slope = all(-2.0 / 3.0) * (y * y) * inverse;
     f.bend = all(-5.0 / 3.0) * f.slope * inverse;
+    if (is_held) {
+        f.bend = ss_wide_below(below, all(0.0), all(0.0), f.bend);
+    }
     f.g1 = f.g1 + below * ss_wide_fma(all(0.5) * below, f.bend, f.slope);
     f.slope = ss_wide_fma(below, f.bend, f.slope);
     return f;
+}
+
+SS_INLINE factor isochoric_factor(bool is_held, ss_wide j)
+{
+    const ss_wide at = ss_wide_most(j, all(floor_of(is_held) - 1.0));
+    return isochoric_factor_of(is_held, j, inverse_cube_root(all(1.0) + at));
 }
 
 SS_INLINE ss_wide log_one_plus(ss_wide a)
@@ -356,21 +380,23 @@ SS_INLINE ss_wide log_one_plus(ss_wide a)
 
 /* ---- stress ---- */
 
-/* Of the laws of J: energy V W into *energy if wanted; d = 2E. */
+/* Of the laws of J: energy V W into *energy if wanted; d = 2E; `known` is neo-hookean's factor
+ * where that has been computed before, else NULL. */
 SS_INLINE tensor volume_stress(ss_tissue_kind kind, const element *e, const symmetric *d,
-                               bool wants_energy, ss_wide *energy)
+                               const factor *known, bool wants_energy, ss_wide *energy)
 {
     const dilatation v = dilatation_of(&e->h);
     const ss_wide t = all(0.5) * trace_of(d), mu = e->mu;
     tensor p = zero_tensor();
     if (kind == SS_TISSUE_NEO_HOOKEAN) {
-        const factor f = isochoric_factor(v.j);
+        const factor f = known != NULL ? *known : isochoric_factor(e->is_held, v.j);
         const ss_wide g = mu + mu * f.g1, bulk = ss_wide_fma(all(2.0 / 3.0), mu, e->lambda);
         const ss_wide invariant = ss_wide_fma(all(2.0), t, all(3.0));
-        const ss_wide ratio = ss_wide_most(all(1.0) + v.j, all(SS_TISSUE_FLOOR));
+        const double lowest = floor_of(e->is_held);
+        const ss_wide ratio = ss_wide_most(all(1.0) + v.j, all(lowest));
         const ss_wide above = all(0.0) - g * (all(2.0 / 3.0) * t - v.j) / ratio;
         const ss_wide beneath = ss_wide_fma(all(0.5) * mu, f.slope * invariant, g);
-        const ss_wide rest = ss_wide_below(v.j, all(SS_TISSUE_FLOOR - 1.0), beneath, above);
+        const ss_wide rest = ss_wide_below(v.j, all(lowest - 1.0), beneath, above);
         add_scaled(&p, g, &e->h);
         add_scaled(&p, all(0.0) - g, &v.q);
         add_scaled(&p, ss_wide_fma(bulk, v.j, rest) + e->pressure, &v.c);
@@ -407,9 +433,9 @@ SS_INLINE void add_guard(const element *e, tensor *p, bool wants_energy, ss_wide
     }
 }
 
-/* V (P + P_v); the viscous part with `rate`, NULL without. */
+/* V (P + P_v); the viscous part with `rate`, NULL without; `known` as above. */
 SS_INLINE tensor stress(ss_tissue_kind kind, const element *e, const tensor *rate,
-                        bool wants_energy, sums *sum)
+                        const factor *known, bool wants_energy, sums *sum)
 {
     const bool is_linear = kind == SS_TISSUE_LINEAR, is_viscous = rate != NULL;
     const bool is_volume = kind == SS_TISSUE_NEO_HOOKEAN || kind == SS_TISSUE_STABLE_NEO_HOOKEAN;
@@ -432,7 +458,7 @@ SS_INLINE tensor stress(ss_tissue_kind kind, const element *e, const tensor *rat
             s.m[k] = s.m[k] + sv.m[k];
         }
     }
-    tensor p = is_volume ? volume_stress(kind, e, &d, wants_energy, &sum->energy) : full(&s);
+    tensor p = is_volume ? volume_stress(kind, e, &d, known, wants_energy, &sum->energy) : full(&s);
     if (is_volume && is_viscous) {
         const tensor sv = full(&s);
         add_scaled(&p, all(1.0), &sv);
@@ -469,7 +495,7 @@ SS_INLINE tensor volume_tangent(ss_tissue_kind kind, const element *e, const ten
     const ss_wide invariant = all(3.0) + trace_of(&d), d_invariant = trace_of(&dd);
     tensor p = zero_tensor();
     if (kind == SS_TISSUE_NEO_HOOKEAN) {
-        const factor f = isochoric_factor(v.j);
+        const factor f = isochoric_factor(e->is_held, v.j);
         const ss_wide bulk = ss_wide_fma(all(2.0 / 3.0), mu, e->lambda), half = all(0.5) * mu;
         const ss_wide b = ss_wide_fma(half * f.slope, invariant, bulk * v.j) + e->pressure;
         const ss_wide db = half * (f.bend * dj * invariant + f.slope * d_invariant) + bulk * dj;

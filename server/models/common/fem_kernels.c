@@ -87,7 +87,8 @@ SS_INLINE void force_of(ss_tissue_kind kind, bool is_viscous, ss_fem_pass *pass)
                     e.psi = ss_wide_load(viscosity + SS_FEM_LANES);
                     rate = gradient(&e, pass->v);
                 }
-                tensor p = stress(kind, &e, is_viscous ? &rate : NULL, pass->wants_energy, &sum);
+                tensor p =
+                    stress(kind, &e, is_viscous ? &rate : NULL, NULL, pass->wants_energy, &sum);
                 for (int k = 0; k < 9; ++k) {
                     p.m[k / 3][k % 3] = all(0.0) - p.m[k / 3][k % 3];
                 }

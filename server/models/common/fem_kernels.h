@@ -19,6 +19,9 @@
 #include "rt/arena.h"
 #include "rt/real.h"
 
+/* J below which a body of quadratic elements lets neo-hookean go on as a straight line. */
+#define SS_FEM_HELD_FLOOR 0.3
+
 enum { SS_FEM_LANES = 8, SS_FEM_SHAPES = 9, SS_FEM_MODULI = 2 };
 
 /* Block b, lane l: values of one kind are eight in a row. A last block that is not full has lanes

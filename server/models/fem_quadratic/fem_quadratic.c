@@ -20,6 +20,9 @@
  * is split; here it is by moduli. Rejected: the dilatation at the centroid in place of the mean,
  * which is the same for small strain but does not balance a constant pressure in a curved element.
  *
+ * Below J = 0.3 the factor J^(-2/3) of neo-hookean goes on as a straight line: with the law's own
+ * parabola a tangled body is thrown apart.
+ *
  * The rest: explicit total Lagrangian dynamics (Miller et al. 2007), masses in mass.c, forces in
  * kernels.c, the nodes on sides in raise.c, the stable step in stability.c; everything else, tools
  * and loads and supports, is ss_body on the raised mesh.
@@ -67,12 +70,13 @@ static const ss_param_row rows[ROW_COUNT] = {
 
 /* Microseconds a sub-step of an element, elastic and viscous, with its nodes, and of an outer step
  * by itself. */
-#define COST_ELASTIC 0.06
-#define COST_VISCOUS 0.03
+#define COST_ELASTIC 0.04
+#define COST_VISCOUS 0.025
 #define COST_STEP    5.0
 #define COST_TOOL    15.0
-/* The stable step of a straight element over its least height through the speed of sound. */
-#define STEP_OF_HEIGHT 0.37
+/* The stable step over the least height through the speed of sound, with mass added: on slab,
+ * ellipsoid and ventricle. */
+#define STEP_OF_HEIGHT 0.7
 
 static double step_cost_us(const ss_model_plan *plan)
 {

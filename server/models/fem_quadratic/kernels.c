@@ -116,7 +116,8 @@ SS_INLINE element point_at(const cell *c, bool is_curved, int q, ss_wide *out_sh
                      .lambda = share * c->lambda,
                      .mu = share * c->mu,
                      .kappa = share * c->kappa,
-                     .pressure = all(0.0)};
+                     .pressure = all(0.0),
+                     .is_held = true};
 }
 
 SS_INLINE tensor point_gradient(const element *e, const nodal *field, int q)
@@ -198,9 +199,9 @@ SS_INLINE void spread_columns(const cell *c, columns *f, double sign, ss_real *o
     ss_wide_scatter_add(out, c->at, total);
 }
 
-/* Gradients of all points, and lambda's mean dilatation. */
+/* Gradients of all points and their dilatations; returns the mean of these. */
 SS_INLINE ss_wide gradients(ss_tissue_kind kind, bool is_curved, const cell *c, const nodal *u,
-                            tensor h[POINTS])
+                            tensor h[POINTS], ss_wide theta[POINTS])
 {
     ss_wide mean = all(0.0);
 #pragma GCC unroll 4
@@ -208,9 +209,35 @@ SS_INLINE ss_wide gradients(ss_tissue_kind kind, bool is_curved, const cell *c, 
         ss_wide share;
         const element e = point_at(c, is_curved, q, &share);
         h[q] = point_gradient(&e, u, q);
-        mean = ss_wide_fma(share, resisted(kind, &h[q]), mean);
+        theta[q] = resisted(kind, &h[q]);
+        mean = ss_wide_fma(share, theta[q], mean);
     }
     return mean;
+}
+
+/* Neo-hookean's factors of the four points side by side: each is a chain of operations that wait
+ * for one another (38 ns an element one after the other). The guess is good to 4 %; a step of third
+ * order, y := y (1 + r/3 + 2/9 r^2) with r = 1 - a y^3, leaves 2e-5, the second rounding. */
+SS_INLINE void isochoric_factors(const ss_wide j[POINTS], factor out[POINTS])
+{
+    ss_wide ratio[POINTS], y[POINTS];
+#pragma GCC unroll 4
+    for (int q = 0; q < POINTS; ++q) {
+        ratio[q] = all(1.0) + ss_wide_most(j[q], all(SS_FEM_HELD_FLOOR - 1.0));
+        y[q] = cube_root_guess(ratio[q]);
+    }
+#pragma GCC unroll 3
+    for (int k = 0; k < (sizeof(ss_real) == 8 ? 3 : 2); ++k) {
+#pragma GCC unroll 4
+        for (int q = 0; q < POINTS; ++q) {
+            const ss_wide r = ss_wide_fnma(ratio[q] * y[q], y[q] * y[q], all(1.0));
+            y[q] = ss_wide_fma(y[q] * r, ss_wide_fma(all(2.0 / 9.0), r, all(1.0 / 3.0)), y[q]);
+        }
+    }
+#pragma GCC unroll 4
+    for (int q = 0; q < POINTS; ++q) {
+        out[q] = isochoric_factor_of(true, j[q], y[q]);
+    }
 }
 
 SS_INLINE void force_block(ss_tissue_kind kind, bool is_curved, bool is_viscous,
@@ -224,7 +251,13 @@ SS_INLINE void force_block(ss_tissue_kind kind, bool is_curved, bool is_viscous,
     if (is_viscous) {
         load(&c, pass->v, &v);
     }
-    const ss_wide mean = gradients(kind, is_curved, &c, &u, h), pressure = c.shared * mean;
+    ss_wide theta[POINTS];
+    factor known[POINTS];
+    const ss_wide mean = gradients(kind, is_curved, &c, &u, h, theta);
+    const ss_wide pressure = c.shared * mean;
+    if (kind == SS_TISSUE_NEO_HOOKEAN) {
+        isochoric_factors(theta, known);
+    }
     clear(&f);
 #pragma GCC unroll 4
     for (int q = 0; q < POINTS; ++q) {
@@ -238,7 +271,9 @@ SS_INLINE void force_block(ss_tissue_kind kind, bool is_curved, bool is_viscous,
             e.psi = share * c.psi;
             rate = point_gradient(&e, &v, q);
         }
-        const tensor p = stress(kind, &e, is_viscous ? &rate : NULL, pass->wants_energy, sum);
+        const tensor p =
+            stress(kind, &e, is_viscous ? &rate : NULL,
+                   kind == SS_TISSUE_NEO_HOOKEAN ? &known[q] : NULL, pass->wants_energy, sum);
         add_point(&e, &p, q, &f);
     }
     if (pass->wants_energy) {
@@ -318,7 +353,8 @@ SS_INLINE void tangent_block(ss_tissue_kind kind, bool is_curved, const ss_quadr
     ss_wide change = all(0.0);
     load(&c, pass->u, &u);
     load(&c, pass->x, &x);
-    const ss_wide pressure = c.shared * gradients(kind, is_curved, &c, &u, h);
+    ss_wide theta[POINTS];
+    const ss_wide pressure = c.shared * gradients(kind, is_curved, &c, &u, h, theta);
     for (int q = 0; q < POINTS; ++q) {
         ss_wide share;
         const element e = point_at(&c, is_curved, q, &share);

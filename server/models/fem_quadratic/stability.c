@@ -207,7 +207,7 @@ static void look_at_volumes(ss_quadratic *own)
     ss_quadratic_stability *s = &own->stability;
     const ss_quadratic_pass pass = {.blocks = &own->blocks, .kind = own->kind, .u = own->u};
     const ss_real floor_ratio =
-        (ss_real)(own->kind == SS_TISSUE_NEO_HOOKEAN ? SS_TISSUE_FLOOR : SS_TISSUE_GUARD);
+        (ss_real)(own->kind == SS_TISSUE_NEO_HOOKEAN ? SS_FEM_HELD_FLOOR : SS_TISSUE_GUARD);
     ss_real least = floor_ratio;
     own->kernels->ratio(&pass, s->ratio);
     s->squeezed = s->inverted = 0;
@@ -261,8 +261,8 @@ void ss_quadratic_judge(const ss_quadratic *own, ss_body *body)
                       "elements are squeezed below 0.65 of their volume: the guard pushes back");
     } else if (s->squeezed > 0 && own->kind == SS_TISSUE_NEO_HOOKEAN) {
         ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
-                      "elements are squeezed below 0.2 of their volume: the law goes on as a "
-                      "parabola");
+                      "elements are squeezed below 0.3 of their volume: the law goes on as a "
+                      "straight line");
     }
     ss_body_set_worst_element(body, s->worst);
 }

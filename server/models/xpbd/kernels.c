@@ -103,7 +103,7 @@ SS_INLINE stiffness stiffness_of(ss_tissue_kind kind, const element *e, const sy
     const ss_wide mu = e->mu;
     stiffness k;
     if (kind == SS_TISSUE_NEO_HOOKEAN) {
-        const factor f = isochoric_factor(v->j);
+        const factor f = isochoric_factor(false, v->j);
         const ss_wide square = all(3.0) + trace_of(green); /* |F|^2 */
         const ss_wide bend = ss_wide_most(f.bend - all(10.0 / 9.0), all(0.0));
         k.c = ss_wide_fma(mu + mu, f.g1, mu + mu);
@@ -170,7 +170,7 @@ SS_INLINE void solve(const ss_xpbd_pass *pass, ss_tissue_kind kind, int32_t pack
     const stiffness k = stiffness_of(kind, &e, &green, &v);
     ss_wide unused = all(0.0);
     e.lambda = all(kind == SS_TISSUE_NEO_HOOKEAN ? -2.0 / 3.0 : -5.0 / 6.0) * e.mu; /* P' */
-    const tensor p = volume_stress(kind, &e, &green, false, &unused);
+    const tensor p = volume_stress(kind, &e, &green, NULL, false, &unused);
     const symmetric t = damped_inverse(spread, square * k.c);
     symmetric s;
     for (int n = 0; n < 6; ++n) {

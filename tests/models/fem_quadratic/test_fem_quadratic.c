@@ -102,6 +102,18 @@ static double book_energy(const open_body *b, const double *u)
             volume += part;
             mean += part * book_dilatation(law.kind, h);
             sum += part * ss_tissue_energy(&law, h);
+            /* Neo-Hookean's factor is held below 0.3: a line there, in place of J^(-2/3). */
+            const double j = 1.0 + ss_tissue_volume_change(h);
+            if (law.kind == SS_TISSUE_NEO_HOOKEAN && j < 0.3) {
+                const double line =
+                    pow(0.3, -2.0 / 3.0) - 2.0 / 3.0 * pow(0.3, -5.0 / 3.0) * (j - 0.3);
+                double first = 3.0 + 2.0 * (h[0] + h[4] + h[8]);
+                for (int k = 0; k < 9; ++k) {
+                    first += h[k] * h[k];
+                }
+                assert_true(j > 0.2);
+                sum += part * 0.5 * law.mu * first * (line - pow(j, -2.0 / 3.0));
+            }
             /* The guard's modulus is that of the whole law. */
             const double short_of = SS_TISSUE_GUARD - 1.0 - ss_tissue_volume_change(h);
             if (law.kind == SS_TISSUE_STVK_GUARDED && short_of > 0.0) {
