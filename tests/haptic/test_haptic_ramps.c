@@ -247,6 +247,27 @@ TEST(pause_and_stop_ramp_without_the_fault_flag)
     }
 }
 
+/* A hand that goes on into the tissue while the force ramps down, and tissue that comes against it:
+ * each tick has at most its share of the force that the ramp found. */
+TEST(nothing_raises_a_force_that_ramps_down)
+{
+    const ss_haptic_config config = default_config();
+    for (int is_tissue = 0; is_tissue < 2; ++is_tissue) {
+        rig r;
+        rig_start(&r, &config);
+        const double f = rig_press(&r, 300.0, 4e-3);
+        assert_true(f > 1.0);
+        r.is_paused = true;
+        for (int i = 1; i <= 20; ++i) {
+            const double deeper = 4e-3 + 0.5e-3 * i;
+            rig_result(&r, 300.0, is_tissue ? deeper : 4e-3, 1);
+            const double now = rig_tick(&r, is_tissue ? -4e-3 : -deeper);
+            assert_true(now >= 0.0 && now <= (1.0 - i / 20.0) * f + 1e-9);
+        }
+        rig_end(&r);
+    }
+}
+
 /* A ramp that finds no force gives none, whatever the local contact model's offsets become
  * meanwhile. */
 TEST(a_ramp_from_nothing_gives_nothing)
