@@ -61,6 +61,7 @@ static double peak_of_press(const char *between_steps)
  * high; not so far that a fast press feels like another body. */
 TEST(a_fast_press_is_felt_as_the_model_answers)
 {
+    SKIP_WHERE_REPEATED();
     const double held = peak_of_press("haptic.between_steps=hold");
     const double local = peak_of_press("haptic.between_steps=local");
     print_message("peak force: held %.3f N, local contact model %.3f N\n", held, local);

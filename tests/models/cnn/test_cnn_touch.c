@@ -448,8 +448,9 @@ static void take_turns(bool is_one_cell)
 TEST(strained_tissue_gains_nothing_from_a_touch)
 {
     (void)state;
-    take_turns(false);
-    take_turns(true);
+    for (int is_one_cell = FULL_IN_RELEASE(0, 1); is_one_cell < 2; ++is_one_cell) {
+        take_turns(is_one_cell != 0);
+    }
 }
 
 #define GRIP_RADIUS 0.008
