@@ -172,25 +172,42 @@ static inline const char *write_block(const body *b)
     return write_text(b->name, text);
 }
 
-static inline softsim_world *make_world(const body *b, double limit)
+/* `mesh` is the kidney's, as --set takes it. */
+static inline softsim_world *make_world_on(const body *b, double limit, const char *mesh)
 {
     char path[512], force[64];
     (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s", b->scene ? b->scene : "");
     (void)snprintf(force, sizeof force, "haptic.max_force_n=%g", limit);
     const bool is_kidney = b->scene && strcmp(b->scene, "kidney.yaml") == 0;
-    const char *const own[] = {force, b->set};
-    const int32_t own_count = b->set ? 2 : 1;
-    const char *all[KIDNEY_SETS];
+    const char *set[3] = {force};
+    int32_t count = 1;
+    if (b->set) {
+        set[count++] = b->set;
+    }
+    if (is_kidney) {
+        set[count++] = mesh;
+    }
     softsim_config config = softsim_default_config();
     softsim_error error = {0};
-    config.set = is_kidney ? all : own;
-    config.set_count = is_kidney ? kidney_sets(own, own_count, all) : own_count;
+    config.set = set;
+    config.set_count = count;
     config.import_program = BIN_DIR "/softsim-import";
     softsim_world *world = softsim_create(b->scene ? path : write_block(b), &config, &error);
     if (world == NULL) {
         fail_msg("%s: %s", b->name, error.text);
     }
     return world;
+}
+
+static inline softsim_world *make_world(const body *b, double limit)
+{
+    return make_world_on(b, limit, kidney_mesh());
+}
+
+/* The bundled scene as it is, where what is claimed depends on the mesh. */
+static inline softsim_world *make_bundled_world(const body *b, double limit)
+{
+    return make_world_on(b, limit, "object.mesh=" KIDNEY_MESH);
 }
 
 static inline double smooth(double u)

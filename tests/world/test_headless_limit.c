@@ -134,10 +134,8 @@ TEST(a_changed_limit_flings_nothing)
 {
     SKIP_WHERE_REPEATED();
     static const double limit[4] = {2.0, 0.5, 4.0, 1.0};
-    body whole = bodies[0];
-    whole.set = "object.mesh=" KIDNEY_MESH;
-    const body *b = &whole;
-    softsim_world *world = make_world(b, 8.0);
+    const body *b = &bodies[0];
+    softsim_world *world = make_bundled_world(b, 8.0);
     double last = 0.0, before = 0.0, most = 0.0;
     for (int n = 0; n < 2000; ++n) {
         const int at = n >= 600 && n < 2000 ? (n - 600) / 350 : -1;
@@ -361,7 +359,7 @@ TEST(a_hand_that_sets_off_between_results_meets_tissue)
     for (int row = 0; row < 2 * 8; ++row) {
         body b = bodies[row % 2 == 0 ? 0 : 4];
         b.set = rates[row / 2 % 2];
-        softsim_world *world = make_world(&b, 0.5);
+        softsim_world *world = make_bundled_world(&b, 0.5);
         softsim_state last;
         for (int n = 0; n < TICKS; ++n) {
             const double depth = fmin(b.depth, 0.002 * fmax(0, n - STILL - row) - 0.012);
