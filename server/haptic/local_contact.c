@@ -13,7 +13,8 @@
  * potential and its matrix is symmetric.) Near but not touching: f = -k gap.
  *
  * k errs high, 1.15 k_n: the force is k x + (K - k) p_k with p_k old by one to two periods, a
- * delayed spring of K - k; K > k takes (K - k) x age from the damping, K < k adds to it.
+ * delayed spring of K - k; K > k takes (K - k) x age from the damping, K < k adds to it. What is
+ * near errs higher, for a touch that is no blow (margin_of).
  *
  * An update must not be felt: the offset o makes up for what the local contact model changed at the
  * last proxy and decays within milliseconds. What per-contact offsets cannot carry (a normal that
@@ -42,6 +43,11 @@
 #define STIFFNESS_MIN    1e-6 /* N/m: a body of metres and pascals has less than 1 */
 #define STIFFNESS_MAX    1e5  /* N/m */
 #define STIFFNESS_MARGIN 1.15 /* k / k_n */
+/* k / k_n of what is near: a touch meets the tissue's inertia, which stiffness at rest has not. A
+ * tool that would go TOUCH_WAY (m) until a result answers counts half of that: the law of a blow is
+ * too stiff anyway when the answer comes. */
+#define TOUCH_MARGIN 1.25
+#define TOUCH_WAY    0.004
 #define SLOW_RESULTS                                                                               \
     0.060 /* s: with results this old k = k_n, the margin costs more than it gives */
 #define PATCH_REACH         0.005 /* m, |D| */
@@ -408,6 +414,17 @@ static double steadying(const ss_contact *from, double spring, double period)
     return fmax(0.0, fmin(wanted, STEADY_TIME * from->stiffness));
 }
 
+/* k / k_n of a contact; `margin` of one that touches. */
+static double margin_of(const ss_local_contact *local, const ss_contact *from, double margin)
+{
+    if (!(from->gap > 0.0)) {
+        return margin;
+    }
+    const double way = 2.0 * local->result_period * ss_dot3(local->velocity, from->normal);
+    const double square = way * way / (TOUCH_WAY * TOUCH_WAY);
+    return margin + fmax(0.0, TOUCH_MARGIN - margin) / (1.0 + square * square);
+}
+
 /* Parameters of one contact from the model's, guarded; `spring` and `period` as steadying takes
  * them. */
 static void take_contact(ss_local_contact_point *c, const ss_contact *from, double margin,
@@ -608,8 +625,8 @@ void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *
         source[i] = is_fresh ? -1 : find_old(&old, from, used);
         const ss_local_contact_point *before = source[i] >= 0 ? &old.contact[source[i]] : NULL;
         used |= before != NULL ? 1U << source[i] : 0U;
-        take_contact(&local->contact[i], from, margin, before != NULL && before->force > 0.0,
-                     share * spring, local->result_period);
+        take_contact(&local->contact[i], from, margin_of(local, from, margin),
+                     before != NULL && before->force > 0.0, share * spring, local->result_period);
         if (before != NULL && result->tick > old.tick) {
             local->contact[i].rate =
                 (fmax(0.0, local->contact[i].force) - fmax(0.0, before->force)) /
