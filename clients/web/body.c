@@ -198,12 +198,17 @@ static uint8_t *field_frame(const ss_body_view *body, ss_body_copy *copy, size_t
 {
     frame f = {0};
     copy->field_change = body->field_change;
-    if (!begin_frame(&f, before, 16 + (size_t)body->node_count * 2, FIELD_FRAME)) {
+    if (!begin_frame(&f, before,
+                     16 + sizeof body->field_name + sizeof body->field_unit +
+                         (size_t)body->node_count * 2,
+                     FIELD_FRAME)) {
         return NULL;
     }
     put(&f, &body->node_count, 4);
     put(&f, &body->field_low, 4);
     put(&f, &body->field_high, 4);
+    put(&f, body->field_name, sizeof body->field_name);
+    put(&f, body->field_unit, sizeof body->field_unit);
     put(&f, body->field, (size_t)body->node_count * 2);
     return end_frame(&f, out_size);
 }

@@ -14,7 +14,8 @@
  *   topology  u8 1, 3 x 0, u32 nodes, u32 triangles, f32 metres per count,
  *             f32 rest[3 nodes], u32 triangle[3 triangles], u8 flag[nodes]
  *   delta     u8 2, 3 x 0, u32 count, u32 node[count], i16 displacement[3 count]
- *   field     u8 3, 3 x 0, u32 nodes, f32 low, f32 high, i16 value[nodes]
+ *   field     u8 3, 3 x 0, u32 nodes, f32 low, f32 high, char name[32], char unit[32] (both end
+ *             with 0), i16 value[nodes], -32767 for low, 32767 for high
  * Rejected: the whole surface in each frame (at 60 Hz a hundred times the bytes of what a tool
  * moves), and passing the messages on as they come (a browser that misses one stays wrong for up to
  * a second, a late one has no surface for two). Thread: one at a time.

@@ -191,7 +191,6 @@ static softsim_status create(ss_world *world, const ss_options *options, ss_loop
     loops->judgement = ss_mailbox_create(sizeof(ss_judgement));
     loops->stderr_report = (ss_stderr_report){.prefix = options->prefix, .gate = world->gate};
     atomic_store(&loops->mesh_rate_hz, world->scene->mesh_rate_hz);
-    atomic_store(&loops->field, (int)world->scene->field);
     atomic_store(&loops->max_bytes_per_s, world->scene->max_bytes_per_s);
     softsim_status status = SOFTSIM_OK;
     if (loops->judgement == NULL) {

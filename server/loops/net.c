@@ -148,7 +148,7 @@ static int32_t handle_command(void *context, const char *name, const char *argum
         if (record.key == SS_LIVE_MAX_BYTES) {
             atomic_store_explicit(&loops->max_bytes_per_s, record.value, memory_order_release);
         } else if (record.key == SS_LIVE_FIELD) {
-            atomic_store_explicit(&loops->field, (int)record.value, memory_order_release);
+            atomic_store_explicit(&loops->world->field, (int)record.value, memory_order_release);
         } else if (record.key == SS_LIVE_MESH_RATE) {
             atomic_store_explicit(&loops->mesh_rate_hz, record.value, memory_order_release);
         }

@@ -8,16 +8,33 @@
 #include "rt/memory.h"
 #include "world/field.h"
 
+/* False: not told yet, or no memory. */
+static bool find_values(const ss_world *world, ss_scene_field kind,
+                        const ss_surface_snapshot *snapshot, ss_field **field, float *out_value)
+{
+    if (kind == SS_SCENE_FIELD_POTENTIAL) {
+        return snapshot->has_source &&
+               world->model_class->potential->find(
+                   world->model, snapshot->number + 3 * (size_t)world->scene->mesh->node_count,
+                   out_value);
+    }
+    if (*field == NULL) {
+        *field = ss_field_create(world->scene, world->model_class);
+    }
+    if (*field != NULL) {
+        ss_field_compute(*field, kind, snapshot->number, out_value);
+    }
+    return *field != NULL;
+}
+
 static void set_field(ss_loops *loops, ss_scene_field kind, const ss_surface_snapshot *snapshot,
                       ss_field **field, float **value)
 {
-    const ss_scene *scene = loops->world->scene;
-    if (*field == NULL) {
-        *field = ss_field_create(scene, loops->world->model_class);
-        *value = ss_memory_get((size_t)scene->mesh->node_count, sizeof **value);
+    const ss_world *world = loops->world;
+    if (*value == NULL) {
+        *value = ss_memory_get((size_t)world->scene->mesh->node_count, sizeof **value);
     }
-    if (*field != NULL && *value != NULL) {
-        ss_field_compute(*field, kind, snapshot->displacement, *value);
+    if (*value != NULL && find_values(world, kind, snapshot, field, *value)) {
         ss_publisher_set_field(loops->publisher, ss_clock_now_ns(), snapshot->step,
                                ss_field_name(kind), ss_field_unit(kind), *value);
     }
@@ -51,12 +68,12 @@ void *ss_loops_publish(void *argument)
         bool is_new = false;
         const ss_surface_snapshot *snapshot = ss_mailbox_take(loops->world->surface, &is_new);
         const ss_scene_field kind =
-            (ss_scene_field)atomic_load_explicit(&loops->field, memory_order_acquire);
+            (ss_scene_field)atomic_load_explicit(&loops->world->field, memory_order_acquire);
         if (kind != SS_SCENE_FIELD_NONE && snapshot && is_new) {
             set_field(loops, kind, snapshot, &field, &value);
         }
         ss_publisher_send(loops->publisher, ss_clock_now_ns(), snapshot ? snapshot->step : 0,
-                          snapshot && is_new ? snapshot->displacement : NULL);
+                          snapshot && is_new ? snapshot->number : NULL);
     }
     ss_field_destroy(&field);
     ss_memory_free(value);

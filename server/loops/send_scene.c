@@ -42,7 +42,7 @@ void ss_loops_send_scene(ss_loops *loops)
         .name = slash != NULL ? slash + 1 : given->path,
         .model = loops->world->model_class->name,
         .field = ss_field_name(
-            (ss_scene_field)atomic_load_explicit(&loops->field, memory_order_acquire))};
+            (ss_scene_field)atomic_load_explicit(&loops->world->field, memory_order_acquire))};
     int32_t vertices = 0;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (given->tool[p].is_used) {

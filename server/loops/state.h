@@ -42,7 +42,6 @@ typedef struct ss_loops {
     atomic_bool is_over;   /* main shall end: shutdown, duration in lockstep, broken network */
     atomic_bool is_listening;
     atomic_int refreshes;                         /* net -> publish */
-    atomic_int field;                             /* net -> publish: ss_scene_field */
     _Atomic double mesh_rate_hz, max_bytes_per_s; /* net -> publish */
     _Atomic double rate_hz;                       /* simulation -> net: achieved */
     ss_mailbox *judgement;                        /* net -> main: ss_judgement */

@@ -106,6 +106,16 @@ typedef struct ss_model_layer {
     double (*share)(const ss_model *model, int32_t skin);
 } ss_model_layer;
 
+/* A potential of the model's own, in joules, for who wants to see it. A step only says what acts;
+ * what that spreads is found elsewhere. */
+typedef struct ss_model_potential {
+    /* What acts, a value a node. RT-safe. */
+    void (*tell)(const ss_model *model, float *out_source);
+    /* The potential of every node for it. Reads nothing that a step changes. False: out of memory.
+     * Thread: one that may allocate. */
+    bool (*find)(const ss_model *model, const float *source, float *out_potential);
+} ss_model_potential;
+
 typedef struct ss_model_class {
     const char *name;
     const char *help;
@@ -142,7 +152,8 @@ typedef struct ss_model_class {
     uint64_t (*hash)(const ss_model *model, uint64_t seed);
     /* What the plan uses, leaves out and doubts, a note each. Thread: set-up only. */
     void (*explain)(const ss_model *model, const ss_notes *out);
-    const ss_model_layer *layer; /* NULL: none */
+    const ss_model_layer *layer;         /* NULL: none */
+    const ss_model_potential *potential; /* NULL: none */
     /* Sets row `index` while running (rows with is_live); NULL without any. RT-safe. */
     void (*set)(ss_model *model, int32_t index, double value);
 } ss_model_class;

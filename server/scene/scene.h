@@ -48,12 +48,13 @@ typedef struct ss_scene_tool {
 typedef enum ss_scene_between { SS_SCENE_HOLD, SS_SCENE_LINEAR, SS_SCENE_LOCAL } ss_scene_between;
 
 /* What the surface's nodes are coloured by on the wire. */
-#define SS_SCENE_FIELD_CHOICES "none|displacement|energy|pressure"
+#define SS_SCENE_FIELD_CHOICES "none|displacement|energy|pressure|potential"
 typedef enum ss_scene_field {
     SS_SCENE_FIELD_NONE,
     SS_SCENE_FIELD_DISPLACEMENT,
     SS_SCENE_FIELD_ENERGY,
-    SS_SCENE_FIELD_PRESSURE
+    SS_SCENE_FIELD_PRESSURE,
+    SS_SCENE_FIELD_POTENTIAL
 } ss_scene_field;
 
 typedef struct ss_scene {

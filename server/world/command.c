@@ -47,12 +47,17 @@ static int32_t parse_set(ss_world *world, const char *argument, ss_command_recor
                  "publish.mesh_rate_hz: starting or ending the mesh publisher needs a restart");
         return 1;
     }
+    if (record->key == SS_LIVE_FIELD && !world->surface) {
+        snprintf(out_text, (size_t)text_size,
+                 "publish.field: no mesh is published (publish.mesh_rate_hz is 0)");
+        return 1;
+    }
     if (record->key == SS_LIVE_FIELD &&
-        (!world->surface ||
-         !ss_field_is_possible(world->scene, world->model_class, (ss_scene_field)record->value))) {
-        snprintf(out_text, (size_t)text_size, "publish.field: %s; use none or displacement",
-                 world->surface ? "this body has no tetrahedra with elastic moduli"
-                                : "no mesh is published (publish.mesh_rate_hz is 0)");
+        !ss_field_is_possible(world->scene, world->model_class, (ss_scene_field)record->value)) {
+        char possible[128];
+        ss_field_list(world->scene, world->model_class, " or ", possible, sizeof possible);
+        snprintf(out_text, (size_t)text_size, "publish.field: this body has %s; use %s",
+                 ss_field_lack((ss_scene_field)record->value), possible);
         return 1;
     }
     double most = INFINITY;
@@ -102,6 +107,14 @@ bool ss_world_describe_live(const ss_world *world, int32_t number, char *out, si
     double most = INFINITY;
     (void)felt_limit(world->scene, live.key, &most);
     const ss_set_value *set = &world->set_value[slot_of(live.key, live.row)];
+    if (live.key == SS_LIVE_FIELD) { /* of its choices those that this body has */
+        char possible[128];
+        ss_field_list(world->scene, world->model_class, "|", possible, sizeof possible);
+        snprintf(out, size, "%s=%s 0 %d %s", live.path,
+                 ss_field_name(set->is_set ? (ss_scene_field)set->value : world->scene->field),
+                 SS_SCENE_FIELD_POTENTIAL, possible);
+        return true;
+    }
     ss_scene_describe_live(world->scene, model, &live, set->is_set ? &set->value : NULL, most, out,
                            size);
     return true;

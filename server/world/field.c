@@ -3,6 +3,7 @@
 #include "world/field.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "models/tissue_law.h"
@@ -26,13 +27,13 @@ struct ss_field {
 
 const char *ss_field_name(ss_scene_field kind)
 {
-    static const char *const name[] = {"none", "displacement", "energy", "pressure"};
+    static const char *const name[] = {"none", "displacement", "energy", "pressure", "potential"};
     return name[kind];
 }
 
 const char *ss_field_unit(ss_scene_field kind)
 {
-    static const char *const unit[] = {"", "m", "J/m^3", "Pa"};
+    static const char *const unit[] = {"", "m", "J/m^3", "Pa", "J"};
     return unit[kind];
 }
 
@@ -45,8 +46,34 @@ static int find_row(const ss_model_class *model, const char *name)
 
 bool ss_field_is_possible(const ss_scene *scene, const ss_model_class *model, ss_scene_field kind)
 {
-    return kind == SS_SCENE_FIELD_NONE || kind == SS_SCENE_FIELD_DISPLACEMENT ||
-           (scene->mesh->tetrahedron_count > 0 && find_row(model, "youngs_modulus_pa") >= 0);
+    switch (kind) {
+    case SS_SCENE_FIELD_ENERGY:
+    case SS_SCENE_FIELD_PRESSURE:
+        return scene->mesh->tetrahedron_count > 0 && find_row(model, "youngs_modulus_pa") >= 0;
+    case SS_SCENE_FIELD_POTENTIAL:
+        return model->potential != NULL;
+    default:
+        return true;
+    }
+}
+
+const char *ss_field_lack(ss_scene_field kind)
+{
+    return kind == SS_SCENE_FIELD_POTENTIAL ? "no potential of its own, as cnn-energy's cells have"
+                                            : "no tetrahedra with elastic moduli";
+}
+
+void ss_field_list(const ss_scene *scene, const ss_model_class *model, const char *between,
+                   char *out, size_t size)
+{
+    size_t length = 0;
+    out[0] = '\0';
+    for (int k = SS_SCENE_FIELD_NONE; k <= SS_SCENE_FIELD_POTENTIAL; ++k) {
+        if (ss_field_is_possible(scene, model, (ss_scene_field)k) && length < size) {
+            length += (size_t)snprintf(out + length, size - length, "%s%s",
+                                       length > 0 ? between : "", ss_field_name((ss_scene_field)k));
+        }
+    }
 }
 
 /* The scene's law, or St. Venant-Kirchhoff where the model's is none of the list: what corotational

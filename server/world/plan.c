@@ -255,13 +255,15 @@ static softsim_status build_exchange(ss_world *world)
         !world->set_value) {
         return SOFTSIM_ERROR_MEMORY;
     }
+    atomic_init(&world->field, (int)scene->field);
     const int64_t now = ss_clock_now_ns();
     ss_histogram_init(world->lateness, now);
     ss_histogram_init(world->step_time, now);
     if (scene->mesh_rate_hz > 0.0) {
         world->snapshot_every = ss_world_snapshot_interval(scene->mesh_rate_hz, world->step_period);
-        world->surface = ss_mailbox_create(sizeof(ss_surface_snapshot) +
-                                           3 * sizeof(float) * (size_t)scene->mesh->node_count);
+        const size_t floats = world->model_class->potential != NULL ? 4 : 3;
+        world->surface = ss_mailbox_create(
+            sizeof(ss_surface_snapshot) + floats * sizeof(float) * (size_t)scene->mesh->node_count);
         if (!world->surface) {
             return SOFTSIM_ERROR_MEMORY;
         }
@@ -349,11 +351,12 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
     if (status == SOFTSIM_OK &&
         !ss_field_is_possible(world->scene, world->model_class, world->scene->field)) {
         status = SOFTSIM_ERROR_SCENE;
-        softsim_error_add(error, status,
-                          "%s: publish.field: %s has no tetrahedra with elastic moduli, so that it "
-                          "has no %s; use none or displacement",
+        char possible[128];
+        ss_field_list(world->scene, world->model_class, " or ", possible, sizeof possible);
+        softsim_error_add(error, status, "%s: publish.field: %s has %s, and so no %s; use %s",
                           world->scene->path, world->model_class->name,
-                          ss_field_name(world->scene->field));
+                          ss_field_lack(world->scene->field), ss_field_name(world->scene->field),
+                          possible);
     }
     if (status == SOFTSIM_OK) {
         status = build_model(world, options->step_s, error);

@@ -307,8 +307,15 @@ static void post_surface(ss_world *world)
     snapshot->step = world->steps;
     for (int32_t i = 0; i < node_count; ++i) {
         for (int32_t axis = 0; axis < 3; ++axis) {
-            snapshot->displacement[3 * i + axis] = (float)u[4 * i + axis];
+            snapshot->number[3 * i + axis] = (float)u[4 * i + axis];
         }
+    }
+    const ss_model_potential *potential = world->model_class->potential;
+    snapshot->has_source =
+        potential != NULL &&
+        atomic_load_explicit(&world->field, memory_order_relaxed) == SS_SCENE_FIELD_POTENTIAL;
+    if (snapshot->has_source) {
+        potential->tell(world->model, snapshot->number + 3 * (size_t)node_count);
     }
     ss_mailbox_post(world->surface);
 }

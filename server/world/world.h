@@ -67,10 +67,12 @@ typedef struct ss_simulation_stats {
     bool is_paused;
 } ss_simulation_stats;
 
-/* A surface snapshot for the publisher: `displacement` has 3 floats a node. */
+/* A surface snapshot for the publisher: `number` has a displacement of 3 floats a node and, of a
+ * model with a potential, what acts in it, one a node, while publish.field asks for it. */
 typedef struct ss_surface_snapshot {
     int64_t step;
-    float displacement[];
+    bool has_source;
+    float number[];
 } ss_surface_snapshot;
 
 /* One probe: its tool in the world. */
@@ -131,6 +133,7 @@ typedef struct ss_world {
     ss_mailbox *haptic_stats;     /* haptic -> net */
     ss_mailbox *simulation_stats; /* simulation -> net */
     ss_mailbox *surface;          /* simulation -> publish: ss_surface_snapshot; NULL without */
+    atomic_int field;             /* net -> simulation, publish: ss_scene_field */
 
     ss_set_value *set_value; /* net thread; the model's rows from SS_LIVE_MODEL_ROW on */
 

@@ -19,7 +19,7 @@
 #include "process/process.h"
 
 enum { TEXT = 1, BINARY = 2, CLOSE = 8, PING = 9, MESSAGE_SIZE = 1 << 20, CROWD = 100 };
-enum { TOPOLOGY_FRAME = 1, DELTA_FRAME = 2, FORCE_FRAME = 4, STATE_FORCE = 17 };
+enum { TOPOLOGY_FRAME = 1, DELTA_FRAME = 2, FIELD_FRAME = 3, FORCE_FRAME = 4, STATE_FORCE = 17 };
 
 static process server, web;
 static int port;
@@ -362,6 +362,30 @@ TEST_WITH(a_browser_sees_the_body_and_pushes_it, NULL, end_web)
     send_line(other, "command reset");
     expect_text(other, "\"type\": \"reply\", \"code\": 0");
     close(other);
+    stop_web(0);
+}
+
+/* The potential of the cells under a press, with its unit; a body of no law has no energy. */
+TEST_WITH(a_browser_is_told_the_field_that_it_asks_for, NULL, end_web)
+{
+    start_web("127.0.0.1", NULL, NULL);
+    const int fd = open_browser();
+    expect_text(fd, "none|displacement|potential\"");
+    send_line(fd, "command set publish.field=energy");
+    expect_text(fd,
+                "\"type\": \"reply\", \"code\": 1, \"text\": \"publish.field: this body has no");
+    send_line(fd, "command set publish.field=potential");
+    float high = 0.0F;
+    while (!(high > 1e-7F)) {
+        assert_true(send_line(fd, "aim 0 0 0.006 0.0258 1 0 0 0 0"));
+        expect_frame(fd, FIELD_FRAME);
+        memcpy(&high, message + 12, sizeof high);
+        assert_string_equal((const char *)message + 16, "potential");
+        assert_string_equal((const char *)message + 48, "J");
+    }
+    send_line(fd, "command set publish.field=none");
+    expect_text(fd, "\"type\": \"reply\", \"code\": 0");
+    close(fd);
     stop_web(0);
 }
 

@@ -189,7 +189,9 @@ TEST_WITH(a_field_goes_to_the_nodes_that_it_names, NULL, forget_body)
     assert_int_equal(next_frame(&copy, frame, &size), 0);
     ss_body_take_field(&body, &field);
     assert_int_equal(next_frame(&copy, frame, &size), 3);
-    assert_int_equal(size, 16 + 2 * NODES);
+    assert_int_equal(size, 80 + 2 * NODES);
+    assert_string_equal((const char *)frame + 16, "energy");
+    assert_string_equal((const char *)frame + 48, "J/m^3");
     int16_t last = 0;
     memcpy(&last, frame + size - 2, 2);
     assert_int_equal(last, 3);

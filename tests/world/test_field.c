@@ -127,6 +127,33 @@ TEST(a_body_without_moduli_has_its_displacement_alone)
     ss_world_destroy(&world);
 }
 
+/* Of a model with cells the sim tells what acts, as long as it is asked for. */
+TEST(a_model_with_a_potential_of_its_own_tells_it)
+{
+    char text[256];
+    ss_command_record record;
+    ss_world *world = create("name: cnn-energy, modulus_j: 5, area_density_kg_m2: 10, "
+                             "damping_n_s_per_m3: 1000, rest_stiffness_n_per_m3: 1e4");
+    assert_false(ss_field_is_possible(world->scene, world->model_class, SS_SCENE_FIELD_ENERGY));
+    assert_int_equal(
+        ss_world_command(world, "set", "publish.field=pressure", &record, text, sizeof text), 1);
+    assert_non_null(strstr(text, "use none or displacement or potential"));
+    assert_int_equal(
+        ss_world_command(world, "set", "publish.field=potential", &record, text, sizeof text), 0);
+    for (int asked = 0; asked < 2; ++asked) {
+        bool is_new = false;
+        atomic_store(&world->field, asked ? SS_SCENE_FIELD_POTENTIAL : SS_SCENE_FIELD_ENERGY);
+        for (int32_t k = 0; k < world->snapshot_every; ++k) {
+            ss_world_step_begin(world);
+            ss_world_step_compute(world);
+            ss_world_step_post(world);
+        }
+        const ss_surface_snapshot *snapshot = ss_mailbox_take(world->surface, &is_new);
+        assert_true(is_new && snapshot->has_source == (asked == 1));
+    }
+    ss_world_destroy(&world);
+}
+
 TEST(a_scene_that_asks_for_what_is_not_there_is_refused)
 {
     const ss_world_options options = {
@@ -135,11 +162,21 @@ TEST(a_scene_that_asks_for_what_is_not_there_is_refused)
                                  "[0]}]}\nmodel: {name: chainmail}\npublish: {field: energy}\n"),
         .threads = 1,
         .is_lockstep = true};
+    static const char *const set[] = {"publish.field=potential"};
+    const ss_world_options other = {.scene_path = options.scene_path,
+                                    .threads = 1,
+                                    .is_lockstep = true,
+                                    .set = set,
+                                    .set_count = 1};
     ss_world *world = NULL;
     softsim_error error = {.status = SOFTSIM_OK};
     write_text("cube.msh", cube);
     assert_int_equal(ss_world_create(&options, &world, &error), SOFTSIM_ERROR_SCENE);
-    assert_non_null(strstr(error.text, "publish.field: "));
+    assert_non_null(strstr(error.text, "publish.field: chainmail has no tetrahedra with elastic"));
+    assert_non_null(strstr(error.text, "use none or displacement"));
+    error = (softsim_error){.status = SOFTSIM_OK};
+    assert_int_equal(ss_world_create(&other, &world, &error), SOFTSIM_ERROR_SCENE);
+    assert_non_null(strstr(error.text, "publish.field: chainmail has no potential of its own"));
 }
 
 int main(void)

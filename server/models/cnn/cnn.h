@@ -50,7 +50,8 @@ enum {
     SS_CNN_ROW_COUNT
 };
 extern const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT];
-extern const ss_model_hints ss_cnn_hints; /* hints.c */
+extern const ss_model_hints ss_cnn_hints;         /* hints.c */
+extern const ss_model_potential ss_cnn_potential; /* potential.c */
 
 /* What the body is made of, a value per node, SI. */
 typedef struct ss_cnn_material {

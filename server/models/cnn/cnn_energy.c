@@ -476,4 +476,4 @@ SS_MODEL_CLASS(
                    ss_cnn_step, ss_cnn_explain),
     SS_MODEL_STATE(ss_cnn_contacts, reset, info, displacement, velocity, ss_cnn_reaction,
                    hash_state),
-    .set = set);
+    .potential = &ss_cnn_potential, .set = set);

@@ -56,6 +56,24 @@ static softsim_status solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH]
     return SOFTSIM_OK;
 }
 
+/* Adds a source of `scale` units on a cell to column k, and what drains it. */
+static void add_source(const ss_cnn_network *network, int32_t cell, double scale, int32_t k,
+                       double (*x)[WIDTH])
+{
+    const ss_cnn_factor *factor = network->factor;
+    const int32_t c = factor->component[cell];
+    const double source = scale * network->size[cell] / factor->rho[cell];
+    if (factor->unknown[cell] >= 0) {
+        x[factor->unknown[cell]][k] += source;
+    }
+    const double drain = source / factor->component_size[c];
+    for (int32_t i = 0; factor->is_drained[c] && i < network->node_count; ++i) {
+        if (factor->component[i] == c && factor->unknown[i] >= 0) {
+            x[factor->unknown[i]][k] -= drain * network->size[i];
+        }
+    }
+}
+
 /* ghat for sources on up to WIDTH cells; out_ghat is node_count x WIDTH. */
 static softsim_status solve_cells(const ss_cnn_network *network, int32_t count, const int32_t *node,
                                   double (*x)[WIDTH], double (*out_ghat)[WIDTH])
@@ -63,17 +81,7 @@ static softsim_status solve_cells(const ss_cnn_network *network, int32_t count, 
     const ss_cnn_factor *factor = network->factor;
     memset(x, 0, (size_t)factor->n * sizeof *x);
     for (int32_t k = 0; k < count; ++k) {
-        const int32_t c = factor->component[node[k]];
-        const double source = network->size[node[k]] / factor->rho[node[k]];
-        if (factor->unknown[node[k]] >= 0) {
-            x[factor->unknown[node[k]]][k] = source;
-        }
-        const double drain = source / factor->component_size[c];
-        for (int32_t i = 0; factor->is_drained[c] && i < network->node_count; ++i) {
-            if (factor->component[i] == c && factor->unknown[i] >= 0) {
-                x[factor->unknown[i]][k] -= drain * network->size[i];
-            }
-        }
+        add_source(network, node[k], 1.0, k, x);
     }
     const softsim_status status = solve_wide(factor, x);
     double least[WIDTH] = {0.0};
@@ -453,4 +461,34 @@ void ss_cnn_network_influence(ss_cnn_network *network, int32_t count, const int3
         out_column[k] =
             at < 0 ? NULL : network->kap + (size_t)at * (size_t)network->edges.padded_count;
     }
+}
+
+softsim_status ss_cnn_network_spread(const ss_cnn_network *network, const float *source,
+                                     float *out_potential)
+{
+    const ss_cnn_factor *factor = network->factor;
+    const int32_t n = network->node_count;
+    ss_arena scratch = {0};
+    double(*x)[WIDTH] = ss_arena_get(&scratch, (size_t)factor->n, sizeof *x);
+    double *least = ss_arena_get(&scratch, (size_t)network->component_count + 1, sizeof *least);
+    softsim_status status = ss_arena_status(&scratch);
+    for (int32_t i = 0; status == SOFTSIM_OK && i < n; ++i) {
+        if (source[i] > 0.0F && factor->component[i] >= 0) {
+            add_source(network, i, (double)source[i], 0, x);
+        }
+    }
+    status = status == SOFTSIM_OK ? solve_wide(factor, x) : status;
+    for (int pass = 0; status == SOFTSIM_OK && pass < 2; ++pass) {
+        for (int32_t i = 0; i < n; ++i) {
+            const int32_t c = factor->component[i];
+            const double value = factor->unknown[i] >= 0 ? x[factor->unknown[i]][0] : 0.0;
+            const bool is_drained = c >= 0 && factor->is_drained[c];
+            if (pass == 0 && is_drained) {
+                least[c] = value < least[c] ? value : least[c];
+            }
+            out_potential[i] = (float)(value - (is_drained ? least[c] : 0.0));
+        }
+    }
+    ss_arena_free(&scratch);
+    return status;
 }

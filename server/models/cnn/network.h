@@ -132,6 +132,11 @@ softsim_status ss_cnn_network_potential(const ss_cnn_network *network, int32_t c
                                         const int32_t *node, const double *scale,
                                         double *out_potential);
 
+/* The same for source[i] (times a unit source) on every cell i at once; where a part is drained its
+ * least potential is 0. Thread: one that may allocate; columns may be read meanwhile. */
+softsim_status ss_cnn_network_spread(const ss_cnn_network *network, const float *source,
+                                     float *out_potential);
+
 /* The slowest time constant of v' = -(rho/S) W v, with C = 1: 1 / (the least eigenvalue), over all
  * parts; of a drained part the least that is not 0. Thread: set-up only. */
 softsim_status ss_cnn_network_time_constant(const ss_cnn_network *network, double *out_time);

@@ -120,10 +120,10 @@ export class Body extends THREE.Group {
       }
       return { low: 0, high, unit: 'm' };
     }
-    if (this.colouring !== 'none' && this.field && this.field.value.length === value.length) {
-      const { low, high, value: counts } = this.field;
+    if (this.field && this.field.name === this.colouring && this.field.value.length === value.length) {
+      const { low, high, unit, value: counts } = this.field;
       for (let i = 0; i < value.length; ++i) value[i] = low + ((counts[i] + 32767) / 65534) * (high - low);
-      return { low, high, unit: this.fieldUnit ?? '' };
+      return { low, high, unit: unit.replace('^3', '³') };
     }
     return null;
   }

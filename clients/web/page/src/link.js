@@ -23,11 +23,18 @@ function delta(buffer) {
   };
 }
 
+// 32 bytes, of which those before the first 0 count.
+function word(buffer, at) {
+  const bytes = new Uint8Array(buffer, at, 32);
+  return new TextDecoder().decode(bytes.subarray(0, bytes.indexOf(0)));
+}
+
 function field(buffer) {
   const head = new DataView(buffer);
   return {
     low: head.getFloat32(8, true), high: head.getFloat32(12, true),
-    value: new Int16Array(buffer, 16, head.getUint32(4, true)),
+    name: word(buffer, 16), unit: word(buffer, 48),
+    value: new Int16Array(buffer, 80, head.getUint32(4, true)),
   };
 }
 

@@ -80,7 +80,6 @@ link.on('scene', (description) => {
   panel.takeScene(description);
   const limit = description.parameters.find((p) => p.path === 'haptic.max_force_n');
   if (limit) state.maxForce = Number(limit.value);
-  body.fieldUnit = { energy: 'J/m³', pressure: 'Pa', potential: 'J' }[description.field] ?? '';
   const key = JSON.stringify(description.tools);
   if (key === state.toolsKey) return;
   state.toolsKey = key;
