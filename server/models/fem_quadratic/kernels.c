@@ -69,19 +69,14 @@ SS_INLINE cell cell_at(const ss_quadratic_blocks *blocks, bool is_curved, bool i
     return c;
 }
 
-SS_INLINE void load(const cell *c, const ss_real *field, nodal *out)
+/* From the nodes' values. */
+SS_INLINE void set_base(nodal *out)
 {
-    ss_wide zero[3], base[4][3];
-    ss_wide_gather(field, c->at, zero);
+    ss_wide base[4][3];
 #pragma GCC unroll 10
-    for (int n = 0; n < NODES; ++n) {
-        if (n == 0) {
-            out->node[n][0] = out->node[n][1] = out->node[n][2] = all(0.0);
-            continue;
-        }
-        ss_wide_gather(field, c->at + LANES * n, out->node[n]);
+    for (int n = NODES - 1; n >= 0; --n) { /* corner 0 last, which becomes 0 */
         for (int i = 0; i < 3; ++i) {
-            out->node[n][i] = out->node[n][i] - zero[i];
+            out->node[n][i] = out->node[n][i] - out->node[0][i];
         }
     }
 #pragma GCC unroll 4
@@ -102,6 +97,15 @@ SS_INLINE void load(const cell *c, const ss_real *field, nodal *out)
             out->base[s][i] = base[s + 1][i] - base[0][i];
         }
     }
+}
+
+SS_INLINE void load(const cell *c, const ss_real *field, nodal *out)
+{
+#pragma GCC unroll 10
+    for (int n = 0; n < NODES; ++n) {
+        ss_wide_gather(field, c->at + LANES * n, out->node[n]);
+    }
+    set_base(out);
 }
 
 /* The element of common/fem_element.h that Gauss point q is: its volume V_q in all that carries
@@ -168,6 +172,24 @@ SS_INLINE void add_point(const element *e, const tensor *p, int q, columns *f)
     }
 }
 
+/* What node n > 0 gets of them. */
+SS_INLINE ss_wide force_at(const columns *f, int n, int i)
+{
+    ss_wide x = f->node[n][i];
+    if (n < 4) {
+        x = ss_wide_fma(all(4.0 * FAR - 1.0), f->sum[n][i], x);
+    }
+#pragma GCC unroll 4
+    for (int k = 0; k < 4; ++k) {
+        for (int j = k + 1; j < 4; ++j) {
+            if (side[k][j] == n) {
+                x = ss_wide_fma(all(4.0 * FAR), f->sum[k][i] + f->sum[j][i], x);
+            }
+        }
+    }
+    return x;
+}
+
 /* out += sign times the forces. */
 SS_INLINE void spread_columns(const cell *c, columns *f, double sign, ss_real *out)
 {
@@ -176,19 +198,7 @@ SS_INLINE void spread_columns(const cell *c, columns *f, double sign, ss_real *o
     for (int n = NODES - 1; n > 0; --n) {
         ss_wide force[3];
         for (int i = 0; i < 3; ++i) {
-            ss_wide x = f->node[n][i];
-            if (n < 4) {
-                x = ss_wide_fma(all(4.0 * FAR - 1.0), f->sum[n][i], x);
-            }
-#pragma GCC unroll 4
-            for (int k = 0; k < 4; ++k) {
-                for (int j = k + 1; j < 4; ++j) {
-                    if (side[k][j] == n) {
-                        x = ss_wide_fma(all(4.0 * FAR), f->sum[k][i] + f->sum[j][i], x);
-                    }
-                }
-            }
-            force[i] = all(sign) * x;
+            force[i] = all(sign) * force_at(f, n, i);
             total[i] = total[i] + force[i];
         }
         ss_wide_scatter_add(out, c->at + LANES * n, force);
@@ -259,6 +269,8 @@ SS_INLINE void force_block(ss_tissue_kind kind, bool is_curved, bool is_viscous,
         isochoric_factors(theta, known);
     }
     clear(&f);
+    const ss_wide before = sum->strain;
+    sum->strain = all(0.0);
 #pragma GCC unroll 4
     for (int q = 0; q < POINTS; ++q) {
         ss_wide share;
@@ -276,6 +288,10 @@ SS_INLINE void force_block(ss_tissue_kind kind, bool is_curved, bool is_viscous,
                    kind == SS_TISSUE_NEO_HOOKEAN ? &known[q] : NULL, pass->wants_energy, sum);
         add_point(&e, &p, q, &f);
     }
+    if (pass->strains != NULL) {
+        ss_wide_store(pass->strains + (ptrdiff_t)block * LANES + lane, sum->strain);
+    }
+    sum->strain = ss_wide_most(before, sum->strain);
     if (pass->wants_energy) {
         sum->energy = ss_wide_fma(all(0.5) * pressure, mean, sum->energy);
     }
@@ -343,34 +359,40 @@ static void force(ss_quadratic_pass *pass)
 
 /* ---- tangents ---- */
 
+/* The columns of K x at u. */
+SS_INLINE void tangent_columns(ss_tissue_kind kind, bool is_curved, const cell *c, const nodal *u,
+                               const nodal *x, columns *f)
+{
+    tensor h[POINTS], dh[POINTS];
+    ss_wide theta[POINTS], change = all(0.0);
+    const ss_wide pressure = c->shared * gradients(kind, is_curved, c, u, h, theta);
+    for (int q = 0; q < POINTS; ++q) {
+        ss_wide share;
+        const element e = point_at(c, is_curved, q, &share);
+        dh[q] = point_gradient(&e, x, q);
+        change = ss_wide_fma(share, resisted_change(kind, &h[q], &dh[q]), change);
+    }
+    change = c->shared * change;
+    clear(f);
+    for (int q = 0; q < POINTS; ++q) {
+        ss_wide share;
+        element e = point_at(c, is_curved, q, &share);
+        e.h = h[q];
+        e.pressure = share * pressure;
+        const tensor p = stress_change(kind, &e, &dh[q], share * change);
+        add_point(&e, &p, q, f);
+    }
+}
+
 SS_INLINE void tangent_block(ss_tissue_kind kind, bool is_curved, const ss_quadratic_pass *pass,
                              int32_t block, int lane)
 {
     const cell c = cell_at(pass->blocks, is_curved, false, block, lane);
     nodal u, x;
-    tensor h[POINTS], dh[POINTS];
     columns f;
-    ss_wide change = all(0.0);
     load(&c, pass->u, &u);
     load(&c, pass->x, &x);
-    ss_wide theta[POINTS];
-    const ss_wide pressure = c.shared * gradients(kind, is_curved, &c, &u, h, theta);
-    for (int q = 0; q < POINTS; ++q) {
-        ss_wide share;
-        const element e = point_at(&c, is_curved, q, &share);
-        dh[q] = point_gradient(&e, &x, q);
-        change = ss_wide_fma(share, resisted_change(kind, &h[q], &dh[q]), change);
-    }
-    change = c.shared * change;
-    clear(&f);
-    for (int q = 0; q < POINTS; ++q) {
-        ss_wide share;
-        element e = point_at(&c, is_curved, q, &share);
-        e.h = h[q];
-        e.pressure = share * pressure;
-        const tensor p = stress_change(kind, &e, &dh[q], share * change);
-        add_point(&e, &p, q, &f);
-    }
+    tangent_columns(kind, is_curved, &c, &u, &x, &f);
     spread_columns(&c, &f, 1.0, pass->out);
 }
 
@@ -403,11 +425,92 @@ static void tangent(ss_quadratic_pass *pass)
     }
 }
 
+/* ---- the rates of elements ---- */
+
+/* Of an eigenvalue, for the part that its residual does not know. */
+#define MARGIN 0.01
+/* Beyond it a product is no motion any more. */
+#define LARGEST 1e30
+
+SS_INLINE void rate_block(ss_tissue_kind kind, bool is_curved, const ss_quadratic_pass *pass,
+                          int32_t block, int lane)
+{
+    const cell c = cell_at(pass->blocks, is_curved, false, block, lane);
+    const ptrdiff_t first = (ptrdiff_t)block * LANES + lane;
+    const ss_wide light = ss_wide_load(pass->blocks->light + first);
+    ss_real *mode = pass->mode + (ptrdiff_t)block * NODES * 3 * LANES + lane;
+    nodal u, x;
+    columns f;
+    ss_wide y[NODES][3], quotient = all(0.0), square = all(0.0);
+    load(&c, pass->u, &u);
+    for (int n = 0; n < NODES; ++n) {
+        for (int i = 0; i < 3; ++i) {
+            x.node[n][i] = ss_wide_load(mode + (3 * n + i) * LANES);
+        }
+    }
+    set_base(&x);
+    tangent_columns(kind, is_curved, &c, &u, &x, &f);
+    for (int i = 0; i < 3; ++i) {
+        y[0][i] = all(0.0);
+        for (int n = NODES - 1; n > 0; --n) {
+            y[n][i] = force_at(&f, n, i);
+            y[0][i] = y[0][i] - y[n][i];
+        }
+        for (int n = 0; n < NODES; ++n) {
+            const ss_wide force = y[n][i];
+            y[n][i] = all(n < 4 ? 36.0 : 27.0 / 4.0) * light * force;
+            quotient = ss_wide_fma(ss_wide_load(mode + (3 * n + i) * LANES), force, quotient);
+            square = ss_wide_fma(y[n][i], force, square);
+        }
+    }
+    const ss_wide size = ss_wide_most(quotient, all(0.0) - quotient);
+    const ss_wide left = ss_wide_most(ss_wide_fnma(quotient, quotient, square), all(0.0));
+    const ss_wide rate = size + ss_wide_most(ss_wide_root(left), all(MARGIN) * size);
+    const ss_wide norm = all(1.0) / ss_wide_root(ss_wide_most(square, all(1.0 / LARGEST)));
+    ss_wide_store(pass->rate + first, ss_wide_below(square, all(LARGEST), rate, all(1.0)));
+    for (int n = 0; n < NODES; ++n) {
+        for (int i = 0; i < 3; ++i) {
+            ss_real *at = mode + (3 * n + i) * LANES;
+            ss_wide_store(at,
+                          ss_wide_below(square, all(LARGEST), norm * y[n][i], ss_wide_load(at)));
+        }
+    }
+}
+
+SS_INLINE void rate_of(ss_tissue_kind kind, const ss_quadratic_pass *pass)
+{
+    for (int32_t k = 0; k < pass->block_count; ++k) {
+        const int32_t b = pass->block[k];
+        for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
+            if (b < pass->blocks->straight_count) {
+                rate_block(kind, false, pass, b, lane);
+            } else {
+                rate_block(kind, true, pass, b, lane);
+            }
+        }
+    }
+}
+
+static void rate(const ss_quadratic_pass *pass)
+{
+    switch (pass->kind) {
+#define CASE(kind)                                                                                 \
+    case kind:                                                                                     \
+        rate_of(kind, pass);                                                                       \
+        break
+        EACH_LAW(CASE)
+#undef CASE
+    case SS_TISSUE_KIND_COUNT:
+        break;
+    }
+}
+
 /* ---- volume ---- */
 
 static void ratio(const ss_quadratic_pass *pass, ss_real *out_ratio)
 {
-    for (int32_t b = 0; b < pass->blocks->count; ++b) {
+    for (int32_t k = 0; k < pass->block_count; ++k) {
+        const int32_t b = pass->block[k];
         const bool is_curved = b >= pass->blocks->straight_count;
         for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
             const cell c = cell_at(pass->blocks, is_curved, false, b, lane);
@@ -428,4 +531,5 @@ static void ratio(const ss_quadratic_pass *pass, ss_real *out_ratio)
 
 /* ---- the table ---- */
 
-SS_KERNEL_TABLE(ss_quadratic_kernels, .force = force, .tangent = tangent, .ratio = ratio);
+SS_KERNEL_TABLE(ss_quadratic_kernels, .force = force, .tangent = tangent, .rate = rate,
+                .ratio = ratio);

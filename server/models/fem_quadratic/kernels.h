@@ -33,6 +33,7 @@ typedef struct ss_quadratic_blocks {
     ss_real *modulus;   /* [count][3][8]: V lambda_own, V mu, V (lambda - lambda_own), J */
     ss_real *viscosity; /* [count][2][8]: V phi, V psi, J s; NULL without viscosity */
     ss_real *kappa;     /* [count][8]: V (lambda + 2 mu), J; the guard's */
+    ss_real *light;     /* [count][8]: 1 / (mass omega^2), s^2/kg in units of an omega^2 at rest */
     int32_t *element;   /* [count][8]: number in the mesh; -1 in spare lanes */
 } ss_quadratic_blocks;
 
@@ -47,6 +48,11 @@ typedef struct ss_quadratic_pass {
     bool wants_energy;
     double energy, power; /* J, W: added to */
     double strain;        /* largest |2E|^2 (Frobenius) of a Gauss point: raised to */
+    ss_real *strains;     /* [count][8]: the same of each element, set; NULL: not wanted */
+    const int32_t *block; /* blocks that `rate` and `ratio` visit */
+    int32_t block_count;
+    ss_real *mode; /* [count][10][3][8]: a motion of each element's own nodes */
+    ss_real *rate; /* [count][8] */
 } ss_quadratic_pass;
 
 typedef struct ss_quadratic_kernels {
@@ -55,6 +61,10 @@ typedef struct ss_quadratic_kernels {
     void (*force)(ss_quadratic_pass *pass);
     /* out += K x, K the exact tangent at u (viscosity left out). */
     void (*tangent)(ss_quadratic_pass *pass);
+    /* A step of power iteration in each element by itself, with its own tangent at u and its own
+     * part of the mass, 1/(36 light) on a corner and 4/(27 light) on a side: mode := M^-1 K mode,
+     * normed to mode.M mode = 1, and the eigenvalue that it stands for into `rate`, from above. */
+    void (*rate)(const ss_quadratic_pass *pass);
     /* The least J of each element's Gauss points: [count][8]. */
     void (*ratio)(const ss_quadratic_pass *pass, ss_real *out_ratio);
 } ss_quadratic_kernels;

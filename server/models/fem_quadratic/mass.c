@@ -136,8 +136,9 @@ softsim_status ss_quadratic_masses_create(const ss_quadratic_raised *raised,
     double *mass = ss_memory_get((size_t)count, sizeof *mass);
     *out = (ss_quadratic_masses){
         .mass = ss_arena_get(arena, (size_t)raised->mesh.node_count, sizeof *out->mass),
-        .added = ss_arena_get(arena, (size_t)raised->mesh.node_count, sizeof *out->added)};
-    if (!rate2 || !mass || !out->mass || !out->added) {
+        .added = ss_arena_get(arena, (size_t)raised->mesh.node_count, sizeof *out->added),
+        .element = ss_arena_get(arena, (size_t)count, sizeof *out->element)};
+    if (!rate2 || !mass || !out->mass || !out->added || !out->element) {
         ss_memory_free(rate2);
         ss_memory_free(mass);
         return SOFTSIM_ERROR_MEMORY;
@@ -155,6 +156,7 @@ softsim_status ss_quadratic_masses_create(const ss_quadratic_raised *raised,
     for (int32_t e = 0; e < count; ++e) {
         const double factor = fmax(1.0, rate2[e] / out->bound);
         out->scaled_count += factor > 1.0;
+        out->element[e] = factor * mass[e];
         for (int n = 0; n < SS_QUADRATIC_NODES; ++n) {
             out->mass[raised->node[e][n]] += factor * mass[e] * share_of(n);
             out->added[raised->node[e][n]] += (factor - 1.0) * mass[e] * share_of(n);

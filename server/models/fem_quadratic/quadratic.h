@@ -52,15 +52,13 @@ bool ss_quadratic_points(const ss_mesh *mesh, const int32_t node[SS_QUADRATIC_NO
                          ss_quadratic_point out[SS_QUADRATIC_POINTS]);
 /* Gradients of the ten shape functions at Gauss point q. */
 void ss_quadratic_shape(const ss_quadratic_point *point, int q, double out[SS_QUADRATIC_NODES][3]);
-/* False when out of memory. */
-bool ss_quadratic_blocks_create(const ss_quadratic_raised *raised, const ss_fem_material *material,
-                                ss_arena *arena, ss_quadratic_blocks *out);
 
 /* ---- mass.c ---- */
 
 typedef struct ss_quadratic_masses {
     double *mass;       /* kg, of every node of the raised mesh */
     double *added;      /* kg of it that was added, and has no weight */
+    double *element;    /* kg, of every element, with what was added */
     double bound;       /* 1/s^2, the largest omega^2 of an element: none of the body's is larger */
     double plain_bound; /* the same before mass was added */
     double added_share; /* of the whole mass */
@@ -71,6 +69,13 @@ typedef struct ss_quadratic_masses {
 softsim_status ss_quadratic_masses_create(const ss_quadratic_raised *raised,
                                           const ss_fem_material *material, double most,
                                           ss_arena *arena, ss_quadratic_masses *out);
+
+/* ---- blocks.c, again ---- */
+
+/* In the order of kernels.h; false when out of memory. */
+bool ss_quadratic_blocks_create(const ss_quadratic_raised *raised, const ss_fem_material *material,
+                                const ss_quadratic_masses *masses, ss_arena *arena,
+                                ss_quadratic_blocks *out);
 
 /* ---- skin.c ---- */
 
@@ -105,15 +110,19 @@ double ss_quadratic_skin_rate2(void *owner, int32_t count, const int32_t *node,
 /* ---- stability.c ---- */
 
 typedef struct ss_quadratic_stability {
-    double bound;      /* 1/s^2, of any element at rest */
-    double rest_rate2; /* omega_max^2 at rest, from above, 1/s^2 */
-    ss_real *mobility; /* quads, 1/kg */
-    ss_real *mode, *product, *rest_mode;
+    double bound;              /* 1/s^2, of any element at rest */
+    double rest_rate2;         /* omega_max^2 at rest, from above, 1/s^2 */
+    double slack;              /* omega_max^2 over the largest omega_e^2 is taken to be no more */
+    ss_real *mobility;         /* quads, 1/kg */
+    ss_real *mode, *rest_mode; /* [block][10][3][8]: each element's fastest motion */
+    ss_real *rate;    /* [block][8]: omega_e^2 over `bound`, of the state at the last look */
+    ss_real *strains; /* [block][8]: |2E|^2 of the last force, and at the last look */
+    ss_real *seen;
     ss_real *ratio; /* [block][8]: scratch */
+    int32_t *block; /* list: scratch */
     double rate2;   /* of the state at the last look, from above */
-    double strain_at_power_step;
-    double strain; /* largest |2E| since stable_step was called last */
-    int32_t age;   /* calls since the last power step */
+    double strain;  /* largest |2E| since stable_step was called last */
+    int32_t turn;
     int32_t squeezed, inverted, worst;
 } ss_quadratic_stability;
 

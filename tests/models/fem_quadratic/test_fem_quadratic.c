@@ -356,6 +356,67 @@ TEST(masses_add_up_and_elements_bound_the_rate)
     open_fini(&b);
 }
 
+/* omega_max^2 at u, from below: power iteration from a random start. */
+static double fastest_rate2(const open_body *b, const ss_real *u)
+{
+    const int32_t n = b->raised.mesh.node_count;
+    ss_real *x = random_quads(n, 1.0), *y = quads(n);
+    double rate2 = 0.0;
+    for (int turn = 0; turn < 4000; ++turn) {
+        ss_quadratic_pass pass = {
+            .blocks = &b->own.blocks, .kind = b->material.kind, .u = u, .x = x, .out = y};
+        double along = 0.0, square = 0.0;
+        memset(y, 0, 4 * (size_t)n * sizeof *y);
+        b->own.kernels->tangent(&pass);
+        for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)n; ++k) {
+            const double mass = b->masses.mass[k / 4];
+            along += (double)x[k] * (double)y[k];
+            square += mass * (double)x[k] * (double)x[k];
+            y[k] = (ss_real)((double)y[k] / mass);
+        }
+        rate2 = along / square;
+        const double size = length(n, y);
+        for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)n; ++k) {
+            x[k] = (ss_real)((double)y[k] / size);
+        }
+    }
+    SS_EACH(ss_memory_free, x, y);
+    return rate2;
+}
+
+/* A body that is fastest at one end, at rest, is squeezed at the other, as a tool would do it. */
+TEST(the_step_is_stable_where_elements_are_squeezed_far_from_the_fastest)
+{
+    static const block_size bar = {.cells = {16, 2, 2}, .size = {0.16, 0.02, 0.02}, .jitter = 0.1};
+    open_body b;
+    ss_mesh *mesh = make_block(&bar);
+    for (int32_t i = 0; i < mesh->node_count; ++i) { /* thinner towards x = 0 */
+        mesh->position[i][0] *= mesh->position[i][0] < 0.0101 ? 0.8 : 1.0;
+    }
+    open_init(&b, mesh, SS_TISSUE_NEO_HOOKEAN, 0.45, 0.0);
+    const int32_t n = b.raised.mesh.node_count;
+    ss_real *u = quads(n), *force = quads(n);
+    const double rest = fastest_rate2(&b, u);
+    b.own.viscous_time = 0.0;
+    for (int turn = 1; turn <= 40; ++turn) {
+        for (int32_t i = 0; i < n; ++i) {
+            const double *x = b.raised.mesh.position[i];
+            u[4 * (ptrdiff_t)i + 1] =
+                (ss_real)(x[0] > 0.145 ? -0.6 * fmin(1.0, turn / 20.0) * x[1] : 0.0);
+        }
+        ss_body_energy energy = {.is_wanted = false};
+        ss_quadratic_force(&b.own, u, NULL, force, &energy);
+        (void)ss_quadratic_stable_step(&b.own, NULL);
+    }
+    const double now = fastest_rate2(&b, u);
+    const double step = SS_QUADRATIC_STEP_SHARE * ss_quadratic_stable_step(&b.own, NULL);
+    assert_true(now > 2.0 * rest);
+    assert_true(step < 2.0 / sqrt(now));
+    assert_true(step > 0.45 * 2.0 / sqrt(now));
+    SS_EACH(ss_memory_free, u, force);
+    open_fini(&b);
+}
+
 /* The mass that was added has no weight: supports carry the body's alone. */
 TEST(supports_carry_the_weight_of_the_body)
 {
