@@ -8,6 +8,7 @@
 #include "rt/arena.h"
 
 #include <stdint.h>
+#include <string.h>
 
 #include "rt/memory.h"
 
@@ -29,6 +30,14 @@ void *ss_arena_get(ss_arena *arena, size_t count, size_t size)
     piece->before = arena->last;
     arena->last = piece;
     return piece + 1;
+}
+
+void ss_arena_take(ss_arena *arena, const ss_arena_room *room, size_t rooms)
+{
+    for (size_t i = 0; i < rooms; ++i) {
+        void *memory = ss_arena_get(arena, room[i].count, room[i].size);
+        memcpy(room[i].pointer, &memory, sizeof memory);
+    }
 }
 
 softsim_status ss_arena_status(const ss_arena *arena)

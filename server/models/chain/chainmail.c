@@ -319,17 +319,11 @@ static softsim_status allocate(ss_model *model)
 {
     const size_t n = (size_t)model->node_count, links = (size_t)model->net->link_count;
     ss_arena *arena = &model->arena;
-    model->alpha =
-        ss_arena_get(arena, (size_t)model->net->group_count * SS_CHAIN_LANES, sizeof(double));
-    model->u = ss_arena_get(arena, 4 * n, sizeof *model->u);
-    model->v = ss_arena_get(arena, 4 * n, sizeof *model->v);
-    model->push = ss_arena_get(arena, 4 * n, sizeof *model->push);
-    model->weight = ss_arena_get(arena, n, sizeof *model->weight);
-    model->has_moved = ss_arena_get(arena, n, 1);
-    model->bound = ss_arena_get(arena, n, 1);
-    model->held = ss_arena_get(arena, n, 1);
-    model->queue = ss_arena_get(arena, n, sizeof *model->queue);
-    model->heap = ss_arena_get(arena, model->is_by_violation ? 2 * links : 0, sizeof *model->heap);
+    SS_ARENA_TAKE(arena, SS_ROOM((size_t)model->net->group_count * SS_CHAIN_LANES, model->alpha),
+                  SS_ROOM(4 * n, model->u), SS_ROOM(4 * n, model->v), SS_ROOM(4 * n, model->push),
+                  SS_ROOM(n, model->weight), SS_ROOM(n, model->has_moved), SS_ROOM(n, model->bound),
+                  SS_ROOM(n, model->held), SS_ROOM(n, model->queue),
+                  SS_ROOM(model->is_by_violation ? 2 * links : 0, model->heap));
     return ss_arena_status(arena);
 }
 

@@ -288,23 +288,17 @@ static softsim_status allocate(ss_model *model, ss_chain_coarse *coarse)
     const size_t cells = (size_t)coarse->cells, row = (size_t)coarse->row;
     const size_t n = (size_t)model->padded;
     ss_arena *arena = &model->arena;
-    coarse->mask = ss_arena_get(arena, 4 * n, sizeof *coarse->mask);
-    coarse->out = ss_arena_get(arena, n, sizeof *coarse->out);
-    coarse->idle = ss_arena_get(arena, n, sizeof *coarse->idle);
-    coarse->gathered = ss_arena_get(arena, 4 * row, sizeof *coarse->gathered);
-    coarse->moved = ss_arena_get(arena, 4 * row, sizeof *coarse->moved);
+    SS_ARENA_TAKE(arena, SS_ROOM(4 * n, coarse->mask), SS_ROOM(n, coarse->out),
+                  SS_ROOM(n, coarse->idle), SS_ROOM(4 * row, coarse->gathered),
+                  SS_ROOM(4 * row, coarse->moved));
     if (coarse->is_aggregated) {
-        coarse->inverse = ss_arena_get(arena, row, sizeof *coarse->inverse);
-        coarse->own = ss_arena_get(arena, n, sizeof *coarse->own);
-        coarse->queue = ss_arena_get(arena, n, sizeof *coarse->queue);
-        coarse->solved = ss_arena_get(arena, cells, sizeof *coarse->solved);
+        SS_ARENA_TAKE(arena, SS_ROOM(row, coarse->inverse), SS_ROOM(n, coarse->own),
+                      SS_ROOM(n, coarse->queue), SS_ROOM(cells, coarse->solved));
     } else {
-        coarse->base = ss_arena_get(arena, cells * cells, sizeof *coarse->base);
-        coarse->matrix = ss_arena_get(arena, cells * cells, sizeof *coarse->matrix);
-        coarse->factor = ss_arena_get(arena, cells * cells, sizeof *coarse->factor);
-        coarse->solved = ss_arena_get(arena, cells * cells, sizeof *coarse->solved);
-        coarse->inverse = ss_arena_get(arena, row * row, sizeof *coarse->inverse);
-        coarse->base_inverse = ss_arena_get(arena, row * row, sizeof *coarse->base_inverse);
+        SS_ARENA_TAKE(
+            arena, SS_ROOM(cells * cells, coarse->base), SS_ROOM(cells * cells, coarse->matrix),
+            SS_ROOM(cells * cells, coarse->factor), SS_ROOM(cells * cells, coarse->solved),
+            SS_ROOM(row * row, coarse->inverse), SS_ROOM(row * row, coarse->base_inverse));
     }
     return ss_arena_status(arena);
 }

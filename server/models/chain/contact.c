@@ -95,14 +95,10 @@ static softsim_status allocate(ss_model *model)
 {
     const size_t n = (size_t)model->padded;
     ss_arena *arena = &model->arena;
-    model->contact = ss_arena_get(arena, 4 * n, sizeof *model->contact);
-    model->push = ss_arena_get(arena, 4 * n, sizeof *model->push);
-    model->diagonal_of = ss_arena_get(arena, n, sizeof *model->diagonal_of);
-    model->firmness = ss_arena_get(arena, n, sizeof *model->firmness);
-    model->touched = ss_arena_get(arena, n, sizeof *model->touched);
-    model->is_touched = ss_arena_get(arena, n, sizeof *model->is_touched);
-    model->hold = ss_arena_get(arena, n, sizeof *model->hold);
-    model->hold_weight = ss_arena_get(arena, n, sizeof *model->hold_weight);
+    SS_ARENA_TAKE(arena, SS_ROOM(4 * n, model->contact), SS_ROOM(4 * n, model->push),
+                  SS_ROOM(n, model->diagonal_of), SS_ROOM(n, model->firmness),
+                  SS_ROOM(n, model->touched), SS_ROOM(n, model->is_touched),
+                  SS_ROOM(n, model->hold), SS_ROOM(n, model->hold_weight));
     return ss_arena_status(arena);
 }
 

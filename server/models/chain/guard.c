@@ -73,12 +73,9 @@ softsim_status ss_chain_guard_create(ss_model *model)
     }
     const size_t n = (size_t)model->padded, tets = (size_t)mesh->tetrahedron_count;
     guard->tets.group_count = (mesh->tetrahedron_count + SS_CHAIN_LANES - 1) / SS_CHAIN_LANES;
-    guard->tets.group =
-        ss_arena_get(arena, (size_t)guard->tets.group_count, sizeof *guard->tets.group);
-    guard->rest = ss_arena_get(arena, 4 * n, sizeof *guard->rest);
-    guard->place = ss_arena_get(arena, 4 * n, sizeof *guard->place);
-    guard->before = ss_arena_get(arena, 4 * n, sizeof *guard->before);
-    guard->low = ss_arena_get(arena, tets, sizeof *guard->low);
+    SS_ARENA_TAKE(arena, SS_ROOM((size_t)guard->tets.group_count, guard->tets.group),
+                  SS_ROOM(4 * n, guard->rest), SS_ROOM(4 * n, guard->place),
+                  SS_ROOM(4 * n, guard->before), SS_ROOM(tets, guard->low));
     if (ss_arena_status(arena) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }

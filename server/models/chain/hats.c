@@ -92,9 +92,9 @@ static softsim_status build_blocks(ss_chain_coarse *coarse, const ss_mesh *mesh,
     hats->node = ss_arena_get(arena, padded, sizeof *hats->node);
     hats->taking_part = ss_arena_get(arena, padded, sizeof *hats->taking_part);
     hats->nobody = 4 * n;
-    hats->place = ss_arena_get(arena, 3 * padded, sizeof *hats->place);
-    hats->first = ss_arena_get(arena, (size_t)hats->block_count + 1, sizeof *hats->first);
-    coarse->slot = ss_arena_get(arena, (size_t)n, sizeof *coarse->slot);
+    SS_ARENA_TAKE(arena, SS_ROOM(3 * padded, hats->place),
+                  SS_ROOM((size_t)hats->block_count + 1, hats->first),
+                  SS_ROOM((size_t)n, coarse->slot));
     const bool is_good = order && ss_arena_status(arena) == SOFTSIM_OK;
     double low[3] = {0.0, 0.0, 0.0};
     for (int32_t i = 0; is_good && i < n; ++i) {
@@ -279,10 +279,9 @@ static softsim_status build_hats(ss_chain_coarse *coarse, const ss_mesh *mesh, c
     }
     fit_blocks(coarse, mesh, seed, scratch, true);
     const size_t entries = (size_t)hats->first[hats->block_count];
-    hats->cell = ss_arena_get(arena, entries, sizeof *hats->cell);
-    hats->linear = ss_arena_get(arena, 4 * entries, sizeof *hats->linear);
-    coarse->weight = ss_arena_get(arena, entries * (size_t)hats->block, sizeof *coarse->weight);
-    coarse->first = ss_arena_get(arena, (size_t)hats->block_count, sizeof *coarse->first);
+    SS_ARENA_TAKE(arena, SS_ROOM(entries, hats->cell), SS_ROOM(4 * entries, hats->linear),
+                  SS_ROOM(entries * (size_t)hats->block, coarse->weight),
+                  SS_ROOM((size_t)hats->block_count, coarse->first));
     const bool is_good = ss_arena_status(arena) == SOFTSIM_OK;
     if (is_good) {
         fit_blocks(coarse, mesh, seed, scratch, false);

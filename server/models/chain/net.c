@@ -188,10 +188,9 @@ static softsim_status group_links(ss_chain_net *net, const ss_mesh *mesh, ss_are
 {
     const size_t links = (size_t)net->link_count, nodes = (size_t)net->node_count;
     net->group_count = (net->link_count + SS_CHAIN_LANES - 1) / SS_CHAIN_LANES;
-    net->group = ss_arena_get(arena, (size_t)net->group_count, sizeof *net->group);
-    net->position = ss_arena_get(arena, links, sizeof *net->position);
-    net->first = ss_arena_get(arena, nodes + 2, sizeof *net->first);
-    net->at = ss_arena_get(arena, 2 * links, sizeof *net->at);
+    SS_ARENA_TAKE(arena, SS_ROOM((size_t)net->group_count, net->group),
+                  SS_ROOM(links, net->position), SS_ROOM(nodes + 2, net->first),
+                  SS_ROOM(2 * links, net->at));
     int32_t *next = ss_memory_get(links + 1, sizeof *next);
     int32_t *stamp = ss_memory_get(nodes, sizeof *stamp);
     const bool is_good = ss_arena_status(arena) == SOFTSIM_OK && next && stamp;

@@ -264,13 +264,10 @@ static softsim_status allocate(ss_model *model, ss_cnn_active_set *set)
     for (size_t k = 0; k < sizeof part / sizeof *part; ++k) {
         part[k]->span = ss_arena_get(arena, spans, sizeof *part[k]->span);
     }
-    set->is_pinned = ss_arena_get(arena, blocks, 1);
-    set->rank = ss_arena_get(arena, blocks, 1);
-    set->unrest = ss_arena_get(arena, blocks, sizeof *set->unrest);
-    set->gram = ss_arena_get(arena, blocks * modes * modes, sizeof *set->gram);
-    set->bend = ss_arena_get(arena, bends, sizeof *set->bend);
-    set->seam = ss_arena_get(arena, (size_t)model->node_count, sizeof *set->seam);
-    set->is_seam = ss_arena_get(arena, (size_t)model->node_count, 1);
+    SS_ARENA_TAKE(arena, SS_ROOM(blocks, set->is_pinned), SS_ROOM(blocks, set->rank),
+                  SS_ROOM(blocks, set->unrest), SS_ROOM(blocks * modes * modes, set->gram),
+                  SS_ROOM(bends, set->bend), SS_ROOM((size_t)model->node_count, set->seam),
+                  SS_ROOM((size_t)model->node_count, set->is_seam));
     return ss_arena_status(arena);
 }
 

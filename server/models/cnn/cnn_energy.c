@@ -96,12 +96,9 @@ static softsim_status allocate_state(ss_model *model)
     const size_t n = ss_cnn_padded(model->node_count);
     const size_t edges = (size_t)model->network->edges.padded_count;
     const size_t held = (size_t)model->network->held.entry_count;
-    model->stiff = ss_arena_get(arena, n, sizeof *model->stiff);
-    model->mobility_max = ss_arena_get(arena, n, sizeof *model->mobility_max);
-    model->strain = ss_arena_get(arena, edges, sizeof *model->strain);
-    model->stretch = ss_arena_get(arena, edges, sizeof *model->stretch);
-    model->held_kap = ss_arena_get(arena, held, sizeof *model->held_kap);
-    model->column = ss_arena_get(arena, SS_CNN_WHOLE_INFLUENCE, sizeof *model->column);
+    SS_ARENA_TAKE(arena, SS_ROOM(n, model->stiff), SS_ROOM(n, model->mobility_max),
+                  SS_ROOM(edges, model->strain), SS_ROOM(edges, model->stretch),
+                  SS_ROOM(held, model->held_kap), SS_ROOM(SS_CNN_WHOLE_INFLUENCE, model->column));
     return ss_arena_status(arena);
 }
 
@@ -177,11 +174,8 @@ static softsim_status create_tool(ss_model *model, int index)
     tool->full_weight = SS_PI * base->radius * base->delta / 3.0;
     tool->source.is_tool = true;
     ss_arena *arena = &model->arena;
-    tool->mu = ss_arena_get(arena, n, sizeof *tool->mu);
-    tool->fading_mu = ss_arena_get(arena, n, sizeof *tool->fading_mu);
-    tool->eps = ss_arena_get(arena, n, sizeof *tool->eps);
-    tool->eta = ss_arena_get(arena, n, sizeof *tool->eta);
-    tool->share = ss_arena_get(arena, n, sizeof *tool->share);
+    SS_ARENA_TAKE(arena, SS_ROOM(n, tool->mu), SS_ROOM(n, tool->fading_mu), SS_ROOM(n, tool->eps),
+                  SS_ROOM(n, tool->eta), SS_ROOM(n, tool->share));
     tool->shape_y = get_quads(model);
     tool->weight_slope = get_quads(model);
     const softsim_status status = ss_cnn_source_init(model, &tool->source);

@@ -248,12 +248,10 @@ static softsim_status allocate_influence(ss_cnn_network *network, bool is_kept, 
     }
     network->slot_count = SS_CNN_CACHE_SLOTS;
     const size_t slots = (size_t)network->slot_count;
-    network->ghat = ss_arena_get(arena, (size_t)network->influence_count * n, sizeof(ss_real));
-    network->kap = ss_arena_get(arena, slots * padded, sizeof(ss_real));
-    network->edge_scale = ss_arena_get(arena, padded, sizeof(ss_real));
-    network->slot_of = ss_arena_get(arena, n, sizeof *network->slot_of);
-    network->slot_node = ss_arena_get(arena, slots, sizeof *network->slot_node);
-    network->slot_used = ss_arena_get(arena, slots, sizeof *network->slot_used);
+    SS_ARENA_TAKE(arena, SS_ROOM((size_t)network->influence_count * n, network->ghat),
+                  SS_ROOM(slots * padded, network->kap), SS_ROOM(padded, network->edge_scale),
+                  SS_ROOM(n, network->slot_of), SS_ROOM(slots, network->slot_node),
+                  SS_ROOM(slots, network->slot_used));
     if (ss_arena_status(arena) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }

@@ -43,10 +43,9 @@ static softsim_status find_components(ss_cnn_network *network, const uint8_t *he
     const int32_t n = network->node_count;
     ss_arena *arena = &network->arena;
     int32_t *parent = ss_memory_get((size_t)n, sizeof *parent);
-    factor->component = ss_arena_get(arena, (size_t)n, sizeof *factor->component);
-    factor->unknown = ss_arena_get(arena, (size_t)n, sizeof *factor->unknown);
-    factor->is_drained = ss_arena_get(arena, (size_t)n, sizeof *factor->is_drained);
-    factor->component_size = ss_arena_get(arena, (size_t)n, sizeof *factor->component_size);
+    SS_ARENA_TAKE(arena, SS_ROOM((size_t)n, factor->component), SS_ROOM((size_t)n, factor->unknown),
+                  SS_ROOM((size_t)n, factor->is_drained),
+                  SS_ROOM((size_t)n, factor->component_size));
     if (!parent || ss_arena_status(arena) != SOFTSIM_OK) {
         ss_memory_free(parent);
         return SOFTSIM_ERROR_MEMORY;
@@ -257,11 +256,9 @@ softsim_status ss_cnn_network_create(const ss_cnn_fabric *fabric, const uint8_t 
     ss_arena *arena = &network->arena;
     double *rho = ss_arena_get(arena, n, sizeof *rho);
     network->node_count = fabric->mesh->node_count;
-    network->factor = ss_arena_get(arena, 1, sizeof *network->factor);
-    network->qhat = ss_arena_get(arena, n, sizeof *network->qhat);
-    network->own = ss_arena_get(arena, n, sizeof *network->own);
-    network->is_source = ss_arena_get(arena, n, sizeof *network->is_source);
-    network->influence_of = ss_arena_get(arena, n, sizeof *network->influence_of);
+    SS_ARENA_TAKE(arena, SS_ROOM(1, network->factor), SS_ROOM(n, network->qhat),
+                  SS_ROOM(n, network->own), SS_ROOM(n, network->is_source),
+                  SS_ROOM(n, network->influence_of));
     softsim_status status = ss_arena_status(arena);
     if (status != SOFTSIM_OK) {
         goto fail;

@@ -56,12 +56,9 @@ static softsim_status build_templates(ss_cnn_relax *relax, const uint8_t *held)
     const ss_cnn_edges *edges = &network->edges;
     const size_t n = (size_t)network->node_count, entries = 2 * (size_t)edges->count;
     int32_t *cursor = ss_memory_get(n, sizeof *cursor);
-    relax->row = ss_arena_get(&relax->arena, n + 1, sizeof *relax->row);
-    relax->neighbour = ss_arena_get(&relax->arena, entries, sizeof *relax->neighbour);
-    relax->share = ss_arena_get(&relax->arena, entries, sizeof *relax->share);
-    relax->stay = ss_arena_get(&relax->arena, n, sizeof *relax->stay);
-    relax->edge_scale =
-        ss_arena_get(&relax->arena, (size_t)edges->count, sizeof *relax->edge_scale);
+    SS_ARENA_TAKE(&relax->arena, SS_ROOM(n + 1, relax->row), SS_ROOM(entries, relax->neighbour),
+                  SS_ROOM(entries, relax->share), SS_ROOM(n, relax->stay),
+                  SS_ROOM((size_t)edges->count, relax->edge_scale));
     if (!cursor || ss_arena_status(&relax->arena) != SOFTSIM_OK) {
         ss_memory_free(cursor);
         return SOFTSIM_ERROR_MEMORY;
@@ -148,11 +145,9 @@ static softsim_status allocate_states(ss_cnn_relax *relax, softsim_error *error)
                           (long long)(SS_CNN_INFLUENCE_BYTES >> 20));
         return SOFTSIM_ERROR_UNSUPPORTED;
     }
-    relax->slot_of = ss_arena_get(&relax->arena, n, sizeof *relax->slot_of);
-    relax->cell = ss_arena_get(&relax->arena, slots, sizeof *relax->cell);
-    relax->seen = ss_arena_get(&relax->arena, slots, sizeof *relax->seen);
-    relax->kap = ss_arena_get(&relax->arena, slots * padded, sizeof *relax->kap);
-    relax->block = ss_arena_get(&relax->arena, blocks, sizeof *relax->block);
+    SS_ARENA_TAKE(&relax->arena, SS_ROOM(n, relax->slot_of), SS_ROOM(slots, relax->cell),
+                  SS_ROOM(slots, relax->seen), SS_ROOM(slots * padded, relax->kap),
+                  SS_ROOM(blocks, relax->block));
     for (size_t b = 0; relax->block && b < blocks; ++b) {
         relax->block[b] = ss_arena_get(&relax->arena, n, sizeof **relax->block);
     }

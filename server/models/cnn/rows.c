@@ -24,13 +24,10 @@ static softsim_status allocate_rows(ss_cnn_rows *rows, int32_t row_count, int32_
     rows->row_count = row_count;
     rows->entry_count = entry_count;
     rows->group_count = 0;
-    rows->group = ss_arena_get(arena, (size_t)group_count, sizeof *rows->group);
-    rows->block_group =
-        ss_arena_get(arena, (size_t)rows->block_count + 1, sizeof *rows->block_group);
-    rows->node = ss_arena_get(arena, (size_t)row_count, sizeof *rows->node);
-    rows->neighbour = ss_arena_get(arena, entries, sizeof *rows->neighbour);
-    rows->edge = ss_arena_get(arena, entries, sizeof *rows->edge);
-    rows->arm = ss_arena_get(arena, entries * 4, sizeof *rows->arm);
+    SS_ARENA_TAKE(arena, SS_ROOM((size_t)group_count, rows->group),
+                  SS_ROOM((size_t)rows->block_count + 1, rows->block_group),
+                  SS_ROOM((size_t)row_count, rows->node), SS_ROOM(entries, rows->neighbour),
+                  SS_ROOM(entries, rows->edge), SS_ROOM(entries * 4, rows->arm));
     return ss_arena_status(arena);
 }
 

@@ -64,10 +64,8 @@ softsim_status ss_cnn_source_init(ss_model *model, ss_cnn_source *source)
     const size_t edges = (size_t)model->network->edges.padded_count;
     const size_t entries = (size_t)model->network->rows.entry_count;
     ss_arena *arena = &model->arena;
-    source->kap_edge = ss_arena_get(arena, edges, sizeof(ss_real));
-    source->kap = ss_arena_get(arena, entries, sizeof(ss_real));
-    source->b = ss_arena_get(arena, quads, sizeof(ss_real));
-    source->r = ss_arena_get(arena, quads, sizeof(ss_real));
+    SS_ARENA_TAKE(arena, SS_ROOM(edges, source->kap_edge), SS_ROOM(entries, source->kap),
+                  SS_ROOM(quads, source->b), SS_ROOM(quads, source->r));
     source->b_turned = model->is_held ? NULL : ss_arena_get(arena, quads, sizeof(ss_real));
     source->eps_limit = (double)INFINITY;
     return ss_arena_status(arena);

@@ -281,14 +281,10 @@ static softsim_status allocate_edges(ss_cnn_network *network, int32_t count)
     const size_t size = (size_t)padded;
     edges->count = count;
     edges->padded_count = padded;
-    edges->from = ss_arena_get(arena, size, sizeof *edges->from);
-    edges->to = ss_arena_get(arena, size, sizeof *edges->to);
-    edges->x = ss_arena_get(arena, size, sizeof *edges->x);
-    edges->y = ss_arena_get(arena, size, sizeof *edges->y);
-    edges->z = ss_arena_get(arena, size, sizeof *edges->z);
-    network->edge_weight = ss_arena_get(arena, size, sizeof *network->edge_weight);
-    network->edge_rho = ss_arena_get(arena, size, sizeof *network->edge_rho);
-    network->edge_square = ss_arena_get(arena, size, sizeof *network->edge_square);
+    SS_ARENA_TAKE(arena, SS_ROOM(size, edges->from), SS_ROOM(size, edges->to),
+                  SS_ROOM(size, edges->x), SS_ROOM(size, edges->y), SS_ROOM(size, edges->z),
+                  SS_ROOM(size, network->edge_weight), SS_ROOM(size, network->edge_rho),
+                  SS_ROOM(size, network->edge_square));
     return ss_arena_status(arena);
 }
 

@@ -129,12 +129,9 @@ static softsim_status allocate(ss_body *body)
     for (int k = 0; k < 5 && body->own.integrator == SS_BODY_RK4; ++k) {
         body->stage[k] = get_quads(body);
     }
-    nodes->rest = ss_arena_get(arena, (size_t)nodes->count, sizeof *nodes->rest);
-    nodes->mass = ss_arena_get(arena, n, sizeof *nodes->mass);
-    body->mass = ss_arena_get(arena, n, sizeof *body->mass);
-    body->axes = ss_arena_get(arena, n, sizeof *body->axes);
-    body->is_source = ss_arena_get(arena, n, sizeof *body->is_source);
-    body->is_idle = ss_arena_get(arena, n / SS_BODY_BLOCK + 1, sizeof *body->is_idle);
+    SS_ARENA_TAKE(arena, SS_ROOM((size_t)nodes->count, nodes->rest), SS_ROOM(n, nodes->mass),
+                  SS_ROOM(n, body->mass), SS_ROOM(n, body->axes), SS_ROOM(n, body->is_source),
+                  SS_ROOM(n / SS_BODY_BLOCK + 1, body->is_idle));
     return ss_arena_status(arena);
 }
 

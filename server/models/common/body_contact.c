@@ -87,12 +87,9 @@ static softsim_status allocate(ss_body *body)
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
         *quads[k] = ss_arena_get(arena, n * 4, sizeof **quads[k]);
     }
-    solver->stiff = ss_arena_get(arena, n, sizeof *solver->stiff);
-    body->contact_stiff = ss_arena_get(arena, n, sizeof *body->contact_stiff);
-    body->skin_force = ss_arena_get(arena, skin * 4, sizeof *body->skin_force);
-    body->skin_stiff = ss_arena_get(arena, skin, sizeof *body->skin_stiff);
-    body->is_stiff = ss_arena_get(arena, skin, 1);
-    body->stiff_node = ss_arena_get(arena, skin, sizeof *body->stiff_node);
+    SS_ARENA_TAKE(arena, SS_ROOM(n, solver->stiff), SS_ROOM(n, body->contact_stiff),
+                  SS_ROOM(skin * 4, body->skin_force), SS_ROOM(skin, body->skin_stiff),
+                  SS_ROOM(skin, body->is_stiff), SS_ROOM(skin, body->stiff_node));
     body->skin_u = body->has_skin ? ss_arena_get(arena, skin * 4, sizeof *body->skin_u) : NULL;
     return ss_arena_status(arena);
 }

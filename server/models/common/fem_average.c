@@ -39,9 +39,8 @@ bool ss_fem_average_create(ss_fem *fem, const ss_fem_setup *setup, int32_t padde
     ss_arena scratch = {0};
     double *volume = ss_arena_get(&scratch, n, sizeof *volume);
     double *softness = ss_arena_get(&scratch, n, sizeof *softness);
-    average->modulus = ss_arena_get(&fem->arena, n, sizeof *average->modulus);
-    average->pressure = ss_arena_get(&fem->arena, n * 4, sizeof *average->pressure);
-    average->change = ss_arena_get(&fem->arena, n * 4, sizeof *average->change);
+    SS_ARENA_TAKE(&fem->arena, SS_ROOM(n, average->modulus), SS_ROOM(n * 4, average->pressure),
+                  SS_ROOM(n * 4, average->change));
     const bool is_good =
         ss_arena_status(&scratch) == SOFTSIM_OK && ss_arena_status(&fem->arena) == SOFTSIM_OK;
     for (int32_t e = 0; is_good && e < setup->mesh->tetrahedron_count; ++e) {

@@ -16,9 +16,8 @@
 void ss_grasp_init(ss_grasp *grasp, int32_t capacity, ss_arena *arena)
 {
     const size_t n = (size_t)capacity;
-    grasp->node = ss_arena_get(arena, n, sizeof *grasp->node);
-    grasp->stiffness = ss_arena_get(arena, n, sizeof *grasp->stiffness);
-    grasp->offset = ss_arena_get(arena, n, sizeof *grasp->offset);
+    SS_ARENA_TAKE(arena, SS_ROOM(n, grasp->node), SS_ROOM(n, grasp->stiffness),
+                  SS_ROOM(n, grasp->offset));
 }
 
 void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const double *weight,

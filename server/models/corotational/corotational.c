@@ -53,11 +53,9 @@ static softsim_status allocate(ss_model *model)
     for (size_t k = 0; k < sizeof quads / sizeof *quads; ++k) {
         *quads[k] = ss_arena_get(arena, 4 * nodes, sizeof(ss_real));
     }
-    model->turned = ss_arena_get(arena, lanes * SS_FEM_SHAPES, sizeof *model->turned);
-    model->system = ss_arena_get(arena, lanes * SS_FEM_MODULI, sizeof *model->system);
-    model->stiff = ss_arena_get(arena, nodes, sizeof *model->stiff);
-    model->viscous = ss_arena_get(arena, nodes, sizeof *model->viscous);
-    model->contact = ss_arena_get(arena, nodes, sizeof *model->contact);
+    SS_ARENA_TAKE(arena, SS_ROOM(lanes * SS_FEM_SHAPES, model->turned),
+                  SS_ROOM(lanes * SS_FEM_MODULI, model->system), SS_ROOM(nodes, model->stiff),
+                  SS_ROOM(nodes, model->viscous), SS_ROOM(nodes, model->contact));
     return ss_arena_status(arena);
 }
 

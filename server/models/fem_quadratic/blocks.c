@@ -154,11 +154,10 @@ static bool reserve(bool is_viscous, ss_arena *arena, ss_quadratic_blocks *out)
 {
     const size_t values = (size_t)out->count * SS_FEM_LANES;
     const size_t straight = (size_t)out->straight_count * SS_FEM_LANES;
-    out->node = ss_arena_get(arena, values * SS_QUADRATIC_NODES, sizeof *out->node);
-    out->shape = ss_arena_get(arena, straight * SS_FEM_SHAPES, sizeof *out->shape);
-    out->curved = ss_arena_get(arena, (values - straight) * SS_QUADRATIC_POINTS * CURVED,
-                               sizeof *out->curved);
-    out->modulus = ss_arena_get(arena, values * SS_QUADRATIC_MODULI, sizeof *out->modulus);
+    SS_ARENA_TAKE(arena, SS_ROOM(values * SS_QUADRATIC_NODES, out->node),
+                  SS_ROOM(straight * SS_FEM_SHAPES, out->shape),
+                  SS_ROOM((values - straight) * SS_QUADRATIC_POINTS * CURVED, out->curved),
+                  SS_ROOM(values * SS_QUADRATIC_MODULI, out->modulus));
     out->viscosity = is_viscous ? ss_arena_get(arena, values * 2, sizeof *out->viscosity) : NULL;
     out->kappa = ss_arena_get(arena, values, sizeof *out->kappa);
     out->light = ss_arena_get(arena, values, sizeof *out->light);

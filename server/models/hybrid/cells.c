@@ -60,13 +60,10 @@ static bool list_around(builder *b)
     const ss_mesh *mesh = b->mesh;
     const size_t nodes = (size_t)mesh->node_count;
     const size_t elements = (size_t)mesh->tetrahedron_count;
-    b->around_first = ss_arena_get(&b->scratch, nodes + 2, sizeof *b->around_first);
-    b->around = ss_arena_get(&b->scratch, 4 * elements, sizeof *b->around);
-    b->centre = ss_arena_get(&b->scratch, nodes, sizeof *b->centre);
-    b->mark = ss_arena_get(&b->scratch, nodes, sizeof *b->mark);
-    b->list = ss_arena_get(&b->scratch, elements, sizeof *b->list);
-    b->seen = ss_arena_get(&b->scratch, elements, sizeof *b->seen);
-    b->x = ss_arena_get(&b->scratch, nodes, sizeof *b->x);
+    SS_ARENA_TAKE(&b->scratch, SS_ROOM(nodes + 2, b->around_first),
+                  SS_ROOM(4 * elements, b->around), SS_ROOM(nodes, b->centre),
+                  SS_ROOM(nodes, b->mark), SS_ROOM(elements, b->list), SS_ROOM(elements, b->seen),
+                  SS_ROOM(nodes, b->x));
     if (ss_arena_status(&b->scratch) != SOFTSIM_OK) {
         return false;
     }
@@ -224,17 +221,12 @@ static bool reserve(ss_hybrid *hybrid, size_t entries)
     const size_t count = (size_t)cells->count;
     const size_t columns = 8 * (1 + 3 * (count + SS_FEM_LANES));
     ss_arena *arena = &hybrid->arena;
-    cells->first = ss_arena_get(arena, count + 1, sizeof *cells->first);
-    cells->node = ss_arena_get(arena, entries, sizeof *cells->node);
-    cells->row = ss_arena_get(arena, 4 * entries, sizeof *cells->row);
-    cells->gradient = ss_arena_get(arena, columns, sizeof *cells->gradient);
-    cells->stress = ss_arena_get(arena, columns, sizeof *cells->stress);
-    hybrid->cell_volume = ss_arena_get(arena, count, sizeof *hybrid->cell_volume);
-    hybrid->cell_asleep = ss_arena_get(arena, count, sizeof *hybrid->cell_asleep);
-    hybrid->cell_lambda = ss_arena_get(arena, count, sizeof *hybrid->cell_lambda);
-    hybrid->cell_mu = ss_arena_get(arena, count, sizeof *hybrid->cell_mu);
-    hybrid->cell_phi = ss_arena_get(arena, count, sizeof *hybrid->cell_phi);
-    hybrid->cell_psi = ss_arena_get(arena, count, sizeof *hybrid->cell_psi);
+    SS_ARENA_TAKE(arena, SS_ROOM(count + 1, cells->first), SS_ROOM(entries, cells->node),
+                  SS_ROOM(4 * entries, cells->row), SS_ROOM(columns, cells->gradient),
+                  SS_ROOM(columns, cells->stress), SS_ROOM(count, hybrid->cell_volume),
+                  SS_ROOM(count, hybrid->cell_asleep), SS_ROOM(count, hybrid->cell_lambda),
+                  SS_ROOM(count, hybrid->cell_mu), SS_ROOM(count, hybrid->cell_phi),
+                  SS_ROOM(count, hybrid->cell_psi));
     return ss_hybrid_create_blocks(hybrid, cells->count, &hybrid->cell_blocks);
 }
 

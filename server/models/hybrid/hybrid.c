@@ -204,11 +204,9 @@ static bool create_points(ss_hybrid *hybrid)
 {
     const size_t points = (size_t)hybrid->max_points;
     const size_t columns = 8 * (1 + 3 * (points + SS_FEM_LANES));
-    hybrid->point = ss_arena_get(&hybrid->arena, points, sizeof *hybrid->point);
-    hybrid->coefficient = ss_arena_get(&hybrid->arena, 2 * points, sizeof *hybrid->coefficient);
-    hybrid->gradient = ss_arena_get(&hybrid->arena, columns, sizeof *hybrid->gradient);
-    hybrid->stress = ss_arena_get(&hybrid->arena, columns, sizeof *hybrid->stress);
-    hybrid->spread = ss_arena_get(&hybrid->arena, 8 * points, sizeof *hybrid->spread);
+    SS_ARENA_TAKE(&hybrid->arena, SS_ROOM(points, hybrid->point),
+                  SS_ROOM(2 * points, hybrid->coefficient), SS_ROOM(columns, hybrid->gradient),
+                  SS_ROOM(columns, hybrid->stress), SS_ROOM(8 * points, hybrid->spread));
     return ss_hybrid_create_blocks(hybrid, hybrid->max_points, &hybrid->points);
 }
 
@@ -216,16 +214,11 @@ static bool create_particles(ss_hybrid *hybrid)
 {
     const size_t n = (size_t)hybrid->layer->count;
     const size_t awake = (size_t)hybrid->max_awake;
-    hybrid->particle = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->particle);
-    hybrid->node_of = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->node_of);
-    hybrid->is_held = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->is_held);
-    hybrid->offset = ss_arena_get(&hybrid->arena, 4 * n, sizeof *hybrid->offset);
-    hybrid->near = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->near);
-    hybrid->wanted = ss_arena_get(&hybrid->arena, awake, sizeof *hybrid->wanted);
-    hybrid->idle = ss_arena_get(&hybrid->arena, awake, sizeof *hybrid->idle);
-    hybrid->drifting = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->drifting);
-    hybrid->distance = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->distance);
-    hybrid->found = ss_arena_get(&hybrid->arena, n, sizeof *hybrid->found);
+    SS_ARENA_TAKE(&hybrid->arena, SS_ROOM(n, hybrid->particle), SS_ROOM(n, hybrid->node_of),
+                  SS_ROOM(n, hybrid->is_held), SS_ROOM(4 * n, hybrid->offset),
+                  SS_ROOM(n, hybrid->near), SS_ROOM(awake, hybrid->wanted),
+                  SS_ROOM(awake, hybrid->idle), SS_ROOM(n, hybrid->drifting),
+                  SS_ROOM(n, hybrid->distance), SS_ROOM(n, hybrid->found));
     if (ss_arena_status(&hybrid->arena) != SOFTSIM_OK) {
         return false;
     }
@@ -319,31 +312,18 @@ static bool create_skin(ss_hybrid *hybrid)
 {
     const ss_layer *layer = hybrid->layer;
     const size_t skin = (size_t)layer->skin_count;
+    const size_t all = (size_t)hybrid->mesh->node_count;
     const size_t nodes = (size_t)(hybrid->mesh->node_count + hybrid->max_awake);
     const int32_t entries = layer->skin_first[layer->skin_count];
-    hybrid->rider_first =
-        ss_arena_get(&hybrid->arena, (size_t)layer->count + 2, sizeof *hybrid->rider_first);
-    hybrid->rider = ss_arena_get(&hybrid->arena, (size_t)entries, sizeof *hybrid->rider);
-    hybrid->ride = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->ride);
-    hybrid->riding = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->riding);
-    hybrid->riding_at = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->riding_at);
-    hybrid->mark = ss_arena_get(&hybrid->arena, nodes, sizeof *hybrid->mark);
-    hybrid->shown =
-        ss_arena_get(&hybrid->arena, 4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown);
-    hybrid->shown_v =
-        ss_arena_get(&hybrid->arena, 4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->shown_v);
-    hybrid->laid =
-        ss_arena_get(&hybrid->arena, 4 * (size_t)hybrid->mesh->node_count, sizeof *hybrid->laid);
-    hybrid->span = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->span);
-    hybrid->close = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->close);
-    hybrid->around = ss_arena_get(&hybrid->arena, skin, sizeof *hybrid->around);
-    hybrid->core_node =
-        ss_arena_get(&hybrid->arena, (size_t)hybrid->mesh->node_count, sizeof *hybrid->core_node);
-    hybrid->load = ss_arena_get(&hybrid->arena, nodes, sizeof *hybrid->load);
-    hybrid->swing =
-        ss_arena_get(&hybrid->arena, (size_t)hybrid->mesh->node_count, sizeof *hybrid->swing);
-    hybrid->mode = ss_arena_get(&hybrid->arena, 4 * nodes, sizeof *hybrid->mode);
-    hybrid->product = ss_arena_get(&hybrid->arena, 4 * nodes, sizeof *hybrid->product);
+    SS_ARENA_TAKE(&hybrid->arena, SS_ROOM((size_t)layer->count + 2, hybrid->rider_first),
+                  SS_ROOM((size_t)entries, hybrid->rider), SS_ROOM(skin, hybrid->ride),
+                  SS_ROOM(skin, hybrid->riding), SS_ROOM(skin, hybrid->riding_at),
+                  SS_ROOM(nodes, hybrid->mark), SS_ROOM(4 * all, hybrid->shown),
+                  SS_ROOM(4 * all, hybrid->shown_v), SS_ROOM(4 * all, hybrid->laid),
+                  SS_ROOM(skin, hybrid->span), SS_ROOM(skin, hybrid->close),
+                  SS_ROOM(skin, hybrid->around), SS_ROOM(all, hybrid->core_node),
+                  SS_ROOM(nodes, hybrid->load), SS_ROOM(all, hybrid->swing),
+                  SS_ROOM(4 * nodes, hybrid->mode), SS_ROOM(4 * nodes, hybrid->product));
     if (ss_arena_status(&hybrid->arena) != SOFTSIM_OK) {
         return false;
     }

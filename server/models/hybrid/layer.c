@@ -140,10 +140,9 @@ static bool sort_nodes(builder *b)
     int32_t *core_of = ss_arena_get(scratch, nodes, sizeof *core_of);
     layer->skin_of = ss_arena_get(arena, nodes, sizeof *layer->skin_of);
     layer->skin_node = ss_arena_get(arena, nodes, sizeof *layer->skin_node);
-    b->core_node = ss_arena_get(scratch, nodes, sizeof *b->core_node);
-    b->core_x = ss_arena_get(scratch, nodes, sizeof *b->core_x);
-    b->around_first = ss_arena_get(scratch, nodes + 2, sizeof *b->around_first);
-    b->around = ss_arena_get(scratch, 4 * (size_t)mesh->tetrahedron_count, sizeof *b->around);
+    SS_ARENA_TAKE(scratch, SS_ROOM(nodes, b->core_node), SS_ROOM(nodes, b->core_x),
+                  SS_ROOM(nodes + 2, b->around_first),
+                  SS_ROOM(4 * (size_t)mesh->tetrahedron_count, b->around));
     const bool is_good =
         ss_arena_status(arena) == SOFTSIM_OK && ss_arena_status(scratch) == SOFTSIM_OK;
     for (int32_t c = 0; is_good && c < 4 * mesh->tetrahedron_count; ++c) {
@@ -184,13 +183,10 @@ static bool reserve_particles(ss_layer *layer, int32_t most)
 {
     const size_t n = (size_t)most;
     ss_arena *arena = &layer->arena;
-    layer->rest = ss_arena_get(arena, n, sizeof *layer->rest);
-    layer->spacing = ss_arena_get(arena, n, sizeof *layer->spacing);
-    layer->volume = ss_arena_get(arena, n, sizeof *layer->volume);
-    layer->host = ss_arena_get(arena, n, sizeof *layer->host);
-    layer->pair_first = ss_arena_get(arena, n + 1, sizeof *layer->pair_first);
-    layer->moment = ss_arena_get(arena, 8 * n, sizeof *layer->moment);
-    layer->tie_first = ss_arena_get(arena, n + 1, sizeof *layer->tie_first);
+    SS_ARENA_TAKE(arena, SS_ROOM(n, layer->rest), SS_ROOM(n, layer->spacing),
+                  SS_ROOM(n, layer->volume), SS_ROOM(n, layer->host),
+                  SS_ROOM(n + 1, layer->pair_first), SS_ROOM(8 * n, layer->moment),
+                  SS_ROOM(n + 1, layer->tie_first));
     return ss_arena_status(arena) == SOFTSIM_OK;
 }
 
@@ -394,9 +390,8 @@ static bool join_neighbours(builder *b)
     }
     const size_t pairs = first != NULL ? (size_t)first[layer->count] : 0;
     int32_t *all = ss_arena_get(&b->scratch, pairs, sizeof *all);
-    layer->neighbour = ss_arena_get(arena, pairs, sizeof *layer->neighbour);
-    layer->pair = ss_arena_get(arena, 4 * pairs, sizeof *layer->pair);
-    layer->pair_scale = ss_arena_get(arena, pairs, sizeof *layer->pair_scale);
+    SS_ARENA_TAKE(arena, SS_ROOM(pairs, layer->neighbour), SS_ROOM(4 * pairs, layer->pair),
+                  SS_ROOM(pairs, layer->pair_scale));
     const bool is_good =
         ss_arena_status(arena) == SOFTSIM_OK && ss_arena_status(&b->scratch) == SOFTSIM_OK;
     for (int32_t p = 0; is_good && p < layer->count; ++p) {
@@ -499,12 +494,9 @@ static bool tie_all(builder *b)
     const size_t most = SS_LAYER_TIE * (size_t)layer->own_count + 4 * ghosts;
     const size_t most_skin = SS_LAYER_TIE * (size_t)layer->skin_count;
     ss_arena *arena = &layer->arena;
-    layer->tie_node = ss_arena_get(arena, most, sizeof *layer->tie_node);
-    layer->tie = ss_arena_get(arena, most, sizeof *layer->tie);
-    layer->skin_tie_first =
-        ss_arena_get(arena, (size_t)layer->skin_count + 1, sizeof *layer->skin_tie_first);
-    layer->skin_tie_node = ss_arena_get(arena, most_skin, sizeof *layer->skin_tie_node);
-    layer->skin_tie = ss_arena_get(arena, most_skin, sizeof *layer->skin_tie);
+    SS_ARENA_TAKE(arena, SS_ROOM(most, layer->tie_node), SS_ROOM(most, layer->tie),
+                  SS_ROOM((size_t)layer->skin_count + 1, layer->skin_tie_first),
+                  SS_ROOM(most_skin, layer->skin_tie_node), SS_ROOM(most_skin, layer->skin_tie));
     if (ss_arena_status(arena) != SOFTSIM_OK) {
         return false;
     }
@@ -560,10 +552,8 @@ static softsim_status fit_all_skin(builder *b, softsim_error *error)
     const size_t most = SKIN_MOST * (size_t)layer->skin_count;
     int32_t lost = 0;
     ss_arena *arena = &layer->arena;
-    layer->skin_first =
-        ss_arena_get(arena, (size_t)layer->skin_count + 1, sizeof *layer->skin_first);
-    layer->skin_particle = ss_arena_get(arena, most, sizeof *layer->skin_particle);
-    layer->skin = ss_arena_get(arena, most, sizeof *layer->skin);
+    SS_ARENA_TAKE(arena, SS_ROOM((size_t)layer->skin_count + 1, layer->skin_first),
+                  SS_ROOM(most, layer->skin_particle), SS_ROOM(most, layer->skin));
     if (ss_arena_status(arena) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }

@@ -33,19 +33,13 @@ bool ss_hybrid_create_near(ss_hybrid *hybrid)
     const size_t count = (size_t)(around < layer->count ? around : layer->count);
     const size_t ties = count * SS_LAYER_TIE;
     ss_arena *arena = &hybrid->arena;
-    near->node_of = ss_arena_get(arena, count, sizeof *near->node_of);
-    near->offset = ss_arena_get(arena, 4 * count, sizeof *near->offset);
-    near->tie_first = ss_arena_get(arena, count + 1, sizeof *near->tie_first);
-    near->tie_node = ss_arena_get(arena, ties, sizeof *near->tie_node);
-    near->tie = ss_arena_get(arena, ties, sizeof *near->tie);
-    near->pair_first = ss_arena_get(arena, (size_t)points + 1, sizeof *near->pair_first);
-    near->neighbour = ss_arena_get(arena, pairs, sizeof *near->neighbour);
-    near->pair = ss_arena_get(arena, 4 * pairs, sizeof *near->pair);
-    near->pair_scale = ss_arena_get(arena, pairs, sizeof *near->pair_scale);
-    near->moment = ss_arena_get(arena, 8 * (size_t)points, sizeof *near->moment);
-    hybrid->place_of = ss_arena_get(arena, (size_t)layer->count, sizeof *hybrid->place_of);
-    hybrid->state = ss_arena_get(arena, 8 * count, sizeof *hybrid->state);
-    hybrid->particle_force = ss_arena_get(arena, 4 * count, sizeof *hybrid->particle_force);
+    SS_ARENA_TAKE(arena, SS_ROOM(count, near->node_of), SS_ROOM(4 * count, near->offset),
+                  SS_ROOM(count + 1, near->tie_first), SS_ROOM(ties, near->tie_node),
+                  SS_ROOM(ties, near->tie), SS_ROOM((size_t)points + 1, near->pair_first),
+                  SS_ROOM(pairs, near->neighbour), SS_ROOM(4 * pairs, near->pair),
+                  SS_ROOM(pairs, near->pair_scale), SS_ROOM(8 * (size_t)points, near->moment),
+                  SS_ROOM((size_t)layer->count, hybrid->place_of),
+                  SS_ROOM(8 * count, hybrid->state), SS_ROOM(4 * count, hybrid->particle_force));
     return ss_arena_status(arena) == SOFTSIM_OK;
 }
 

@@ -81,9 +81,7 @@ static void octet_init(octet *o, double lambda, double mu)
                                 .lambda = lambdas,
                                 .mu = mus};
     assert_true(ss_fem_blocks_create(&stuff, &o->arena, &o->blocks));
-    o->u = ss_arena_get(&o->arena, 128, sizeof *o->u);
-    o->turned = ss_arena_get(&o->arena, 72, sizeof *o->turned);
-    o->force = ss_arena_get(&o->arena, 128, sizeof *o->force);
+    SS_ARENA_TAKE(&o->arena, SS_ROOM(128, o->u), SS_ROOM(72, o->turned), SS_ROOM(128, o->force));
 }
 
 static void octet_fini(octet *o)

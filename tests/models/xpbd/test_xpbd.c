@@ -364,9 +364,8 @@ static void loose_init(loose *l, int cells)
     const size_t e = (size_t)l->mesh->tetrahedron_count;
     l->lambda = calloc(e, sizeof *l->lambda);
     l->mu = calloc(e, sizeof *l->mu);
-    l->mobility = ss_arena_get(&l->arena, 4 * n, sizeof *l->mobility);
-    l->u = ss_arena_get(&l->arena, 4 * n, sizeof *l->u);
-    l->step = ss_arena_get(&l->arena, 4 * n, sizeof *l->step);
+    SS_ARENA_TAKE(&l->arena, SS_ROOM(4 * n, l->mobility), SS_ROOM(4 * n, l->u),
+                  SS_ROOM(4 * n, l->step));
     for (size_t k = 0; k < e; ++k) {
         l->lambda[k] = 2e4;
         l->mu[k] = 2e3;
