@@ -171,45 +171,21 @@ static bool is_viewed(softsim_client *client, const ss_packet *packet, bool is_g
     return is_good;
 }
 
-static void receive_scene(void *context, const ss_packet *packet)
-{
-    softsim_client *client = context;
-    softsim_scene_report scene;
-    if (is_viewed(client, packet,
-                  ss_view_decode_scene(packet->data, packet->size, &client->room, &scene))) {
-        client->config.handle_scene(client->config.context, &scene);
+#define RECEIVE(name, type)                                                                        \
+    static void receive_##name(void *context, const ss_packet *packet)                             \
+    {                                                                                              \
+        softsim_client *client = context;                                                          \
+        type message;                                                                              \
+        if (is_viewed(                                                                             \
+                client, packet,                                                                    \
+                ss_view_decode_##name(packet->data, packet->size, &client->room, &message))) {     \
+            client->config.handle_##name(client->config.context, &message);                        \
+        }                                                                                          \
     }
-}
-
-static void receive_topology(void *context, const ss_packet *packet)
-{
-    softsim_client *client = context;
-    softsim_topology_chunk chunk;
-    if (is_viewed(client, packet,
-                  ss_view_decode_topology(packet->data, packet->size, &client->room, &chunk))) {
-        client->config.handle_topology(client->config.context, &chunk);
-    }
-}
-
-static void receive_delta(void *context, const ss_packet *packet)
-{
-    softsim_client *client = context;
-    softsim_mesh_delta delta;
-    if (is_viewed(client, packet,
-                  ss_view_decode_delta(packet->data, packet->size, &client->room, &delta))) {
-        client->config.handle_delta(client->config.context, &delta);
-    }
-}
-
-static void receive_field(void *context, const ss_packet *packet)
-{
-    softsim_client *client = context;
-    softsim_mesh_field field;
-    if (is_viewed(client, packet,
-                  ss_view_decode_field(packet->data, packet->size, &client->room, &field))) {
-        client->config.handle_field(client->config.context, &field);
-    }
-}
+RECEIVE(scene, softsim_scene_report)
+RECEIVE(topology, softsim_topology_chunk)
+RECEIVE(delta, softsim_mesh_delta)
+RECEIVE(field, softsim_mesh_field)
 
 static void receive_pose(void *context, const ss_packet *packet)
 {
@@ -222,35 +198,23 @@ static void receive_pose(void *context, const ss_packet *packet)
 
 /* ---- opening ---- */
 
-static const ss_lane force_lane = {.suffix = {"_FORCE_#"},
-                                   .max_size = MAX_MESSAGE,
-                                   .buffer = LANE_BUFFER,
-                                   .per_ms = FORCE_WORK_PER_MS,
-                                   .burst = FORCE_WORK_BURST,
-                                   .receive = receive_force};
-static const ss_lane status_lane = {.suffix = {"_STATUS"},
-                                    .max_size = MAX_MESSAGE,
-                                    .buffer = LANE_BUFFER,
-                                    .per_ms = OTHER_WORK_PER_MS,
-                                    .burst = OTHER_WORK_BURST,
-                                    .sender_per_s = STATUSES_PER_S,
-                                    .receive = receive_status};
-static const ss_lane reply_lane = {.suffix = {"_REPLY"},
-                                   .max_size = MAX_MESSAGE,
-                                   .buffer = LANE_BUFFER,
-                                   .per_ms = OTHER_WORK_PER_MS,
-                                   .burst = OTHER_WORK_BURST,
-                                   .receive = receive_reply};
-
-/* Of a viewer's messages: a mesh of a hundred thousand nodes a few times a second. */
-static ss_lane view_lane(const char *suffix, void (*receive)(void *, const ss_packet *))
+/* Of forces and poses, and of the mesh: one of a hundred thousand nodes a few times a second. */
+static ss_lane wide_lane(int32_t max_size)
 {
-    return (ss_lane){.suffix = {suffix},
-                     .max_size = SS_WIRE_MAX_MESSAGE + SOFTSIM_LOG_CHANNEL_SIZE,
+    return (ss_lane){.max_size = max_size,
                      .buffer = LANE_BUFFER,
                      .per_ms = FORCE_WORK_PER_MS,
-                     .burst = FORCE_WORK_BURST,
-                     .receive = receive};
+                     .burst = FORCE_WORK_BURST};
+}
+
+static ss_lane narrow_lane(int32_t sender_per_s, const uint64_t *followed)
+{
+    return (ss_lane){.max_size = MAX_MESSAGE,
+                     .buffer = LANE_BUFFER,
+                     .per_ms = OTHER_WORK_PER_MS,
+                     .burst = OTHER_WORK_BURST,
+                     .sender_per_s = sender_per_s,
+                     .followed = followed};
 }
 
 static softsim_status join(softsim_client *client, const char *prefix, softsim_error *error)
@@ -262,28 +226,27 @@ static softsim_status join(softsim_client *client, const char *prefix, softsim_e
     const softsim_client_config *config = &client->config;
     ss_lane lanes[SS_RECEIVER_MAX_LANES]; /* of what is wanted */
     int32_t count = 0;
-    if (client->config.handle_force != NULL) {
-        lanes[count++] = force_lane;
-    }
-    if (client->config.handle_status != NULL) {
-        lanes[count] = status_lane;
-        lanes[count++].followed = &client->status_origin.first.source;
-    }
-    if (client->config.handle_reply != NULL) {
-        lanes[count++] = reply_lane;
-    }
+    const ss_lane force = wide_lane(MAX_MESSAGE), reply = narrow_lane(0, NULL),
+                  status = narrow_lane(STATUSES_PER_S, &client->status_origin.first.source),
+                  view = wide_lane(SS_WIRE_MAX_MESSAGE + SOFTSIM_LOG_CHANNEL_SIZE);
     const struct {
         bool is_wanted;
+        const ss_lane *lane;
         const char *suffix;
         void (*receive)(void *, const ss_packet *);
-    } views[] = {{config->handle_scene != NULL, "_SCENE", receive_scene},
-                 {config->handle_topology != NULL, "_MESH_TOPOLOGY", receive_topology},
-                 {config->handle_delta != NULL, "_MESH_DELTA", receive_delta},
-                 {config->handle_field != NULL, "_MESH_FIELD", receive_field},
-                 {config->handle_pose != NULL, "_PROBE_#", receive_pose}};
-    for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i) {
-        if (views[i].is_wanted) {
-            lanes[count++] = view_lane(views[i].suffix, views[i].receive);
+    } rows[] = {{config->handle_force != NULL, &force, "_FORCE_#", receive_force},
+                {config->handle_status != NULL, &status, "_STATUS", receive_status},
+                {config->handle_reply != NULL, &reply, "_REPLY", receive_reply},
+                {config->handle_scene != NULL, &view, "_SCENE", receive_scene},
+                {config->handle_topology != NULL, &view, "_MESH_TOPOLOGY", receive_topology},
+                {config->handle_delta != NULL, &view, "_MESH_DELTA", receive_delta},
+                {config->handle_field != NULL, &view, "_MESH_FIELD", receive_field},
+                {config->handle_pose != NULL, &view, "_PROBE_#", receive_pose}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        if (rows[i].is_wanted) {
+            lanes[count] = *rows[i].lane;
+            lanes[count].suffix[0] = rows[i].suffix;
+            lanes[count++].receive = rows[i].receive;
         }
     }
     const ss_receiver_config receiver = {.lcm_url = client->config.lcm_url,

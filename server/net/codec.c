@@ -40,40 +40,24 @@
 #define SCALAR_TO_WIRE(theirs, ours)   wire.theirs = from->ours;
 #define ARRAY_TO_WIRE(name)            memcpy(wire.name, from->name, sizeof wire.name);
 
-bool ss_wire_decode_pose(const void *data, int64_t size, softsim_pose *out)
-{
-    softsim_probe_pose_t wire;
-    if (data == NULL || size != SS_WIRE_POSE_SIZE ||
-        softsim_probe_pose_t_decode(data, 0, SS_WIRE_POSE_SIZE, &wire) != SS_WIRE_POSE_SIZE) {
-        return false;
+/* Both directions of one message. */
+#define CODEC(name, type, SIZE, wire_type, LIST)                                                   \
+    bool ss_wire_decode_##name(const void *data, int64_t size, type *out)                          \
+    {                                                                                              \
+        wire_type wire;                                                                            \
+        if (data == NULL || size != (SIZE) ||                                                      \
+            wire_type##_decode(data, 0, (SIZE), &wire) != (SIZE)) {                                \
+            return false;                                                                          \
+        }                                                                                          \
+        *out = (type){.seq = 0};                                                                   \
+        LIST(SCALAR_FROM_WIRE, ARRAY_FROM_WIRE)                                                    \
+        return true;                                                                               \
+    }                                                                                              \
+    void ss_wire_encode_##name(const type *from, uint8_t out[SIZE])                                \
+    {                                                                                              \
+        wire_type wire = {.utime = 0};                                                             \
+        LIST(SCALAR_TO_WIRE, ARRAY_TO_WIRE)                                                        \
+        wire_type##_encode(out, 0, (SIZE), &wire);                                                 \
     }
-    *out = (softsim_pose){.seq = 0};
-    POSE_LIST(SCALAR_FROM_WIRE, ARRAY_FROM_WIRE)
-    return true;
-}
-
-bool ss_wire_decode_force(const void *data, int64_t size, softsim_force *out)
-{
-    softsim_contact_force_t wire;
-    if (data == NULL || size != SS_WIRE_FORCE_SIZE ||
-        softsim_contact_force_t_decode(data, 0, SS_WIRE_FORCE_SIZE, &wire) != SS_WIRE_FORCE_SIZE) {
-        return false;
-    }
-    *out = (softsim_force){.seq = 0};
-    FORCE_LIST(SCALAR_FROM_WIRE, ARRAY_FROM_WIRE)
-    return true;
-}
-
-void ss_wire_encode_pose(const softsim_pose *from, uint8_t out[SS_WIRE_POSE_SIZE])
-{
-    softsim_probe_pose_t wire = {.utime = 0};
-    POSE_LIST(SCALAR_TO_WIRE, ARRAY_TO_WIRE)
-    softsim_probe_pose_t_encode(out, 0, SS_WIRE_POSE_SIZE, &wire);
-}
-
-void ss_wire_encode_force(const softsim_force *from, uint8_t out[SS_WIRE_FORCE_SIZE])
-{
-    softsim_contact_force_t wire = {.utime = 0};
-    FORCE_LIST(SCALAR_TO_WIRE, ARRAY_TO_WIRE)
-    softsim_contact_force_t_encode(out, 0, SS_WIRE_FORCE_SIZE, &wire);
-}
+CODEC(pose, softsim_pose, SS_WIRE_POSE_SIZE, softsim_probe_pose_t, POSE_LIST)
+CODEC(force, softsim_force, SS_WIRE_FORCE_SIZE, softsim_contact_force_t, FORCE_LIST)

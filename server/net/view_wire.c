@@ -1,73 +1,64 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-/*
- * An encoded message is its type's hash, then its fields without gaps, big-endian; a string is its
- * length with the NUL, then its bytes. The generated decoders would allocate what a length says.
- */
+/* By the bounded reader: the generated decoders would allocate what a length says. */
 #include "net/view_wire.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "net/reader.h"
 #include "softsim_mesh_delta_t.h"
 #include "softsim_mesh_field_t.h"
 #include "softsim_mesh_topology_t.h"
 #include "softsim_scene_t.h"
 
-/* What is left of a message; once something was wrong, all that is read is 0. */
+/* What is left of a message, and where what it holds is put. */
 typedef struct reader {
-    const uint8_t *at;
-    int64_t left;
+    ss_reader in;
     ss_view_room *room;
-    bool is_bad;
 } reader;
 
-static uint64_t get(reader *r, int bytes)
+static void expect(reader *r, bool is_good)
 {
-    if (r->left < bytes) {
-        r->is_bad = true;
-        r->left = 0;
-        return 0;
-    }
-    uint64_t value = 0;
-    for (int i = 0; i < bytes; ++i) {
-        value = value << 8 | r->at[i];
-    }
-    r->at += bytes;
-    r->left -= bytes;
-    return value;
+    r->in.has_failed |= !is_good;
 }
 
 static int32_t get_int(reader *r)
 {
-    return (int32_t)(uint32_t)get(r, 4);
+    return ss_read_int32(&r->in);
+}
+
+#define GET_INTS(r, ...)                                                                           \
+    get_each((r), (int32_t *const[]){__VA_ARGS__},                                                 \
+             sizeof((int32_t *const[]){__VA_ARGS__}) / sizeof(int32_t *))
+static void get_each(reader *r, int32_t *const *out, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        *out[i] = get_int(r);
+    }
 }
 
 static float get_float(reader *r)
 {
-    const uint32_t bits = (uint32_t)get(r, 4);
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    r->is_bad |= !isfinite(value);
-    return r->is_bad ? 0.0f : value;
+    const float value = ss_read_float(&r->in);
+    expect(r, isfinite(value));
+    return r->in.has_failed ? 0.0f : value;
 }
 
 static double get_double(reader *r)
 {
-    const uint64_t bits = get(r, 8);
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    r->is_bad |= !isfinite(value);
-    return r->is_bad ? 0.0 : value;
+    const double value = ss_read_double(&r->in);
+    expect(r, isfinite(value));
+    return r->in.has_failed ? 0.0 : value;
 }
 
 /* Room for `count` values of `bytes` each, as far as as many are there. */
 static void *take_room(reader *r, int32_t count, uint32_t bytes)
 {
     const uint32_t aligned = (r->room->used + 7U) & ~7U;
-    if (r->is_bad || count < 0 || (int64_t)count * bytes > r->left ||
+    if (r->in.has_failed || count < 0 || (int64_t)count * bytes > r->in.left ||
         (uint64_t)count * bytes > sizeof r->room->bytes - aligned) {
-        r->is_bad = true;
+        r->in.has_failed = true;
         return r->room->bytes;
     }
     r->room->used = aligned + (uint32_t)count * bytes;
@@ -77,9 +68,9 @@ static void *take_room(reader *r, int32_t count, uint32_t bytes)
 static const int32_t *get_ints(reader *r, int32_t count, int32_t below)
 {
     int32_t *out = take_room(r, count, sizeof *out);
-    for (int32_t i = 0; i < count && !r->is_bad; ++i) {
+    for (int32_t i = 0; i < count && !r->in.has_failed; ++i) {
         out[i] = get_int(r);
-        r->is_bad |= out[i] < 0 || out[i] >= below;
+        expect(r, out[i] >= 0 && out[i] < below);
     }
     return out;
 }
@@ -87,8 +78,8 @@ static const int32_t *get_ints(reader *r, int32_t count, int32_t below)
 static const int16_t *get_shorts(reader *r, int32_t count)
 {
     int16_t *out = take_room(r, count, sizeof *out);
-    for (int32_t i = 0; i < count && !r->is_bad; ++i) {
-        out[i] = (int16_t)(uint16_t)get(r, 2);
+    for (int32_t i = 0; i < count && !r->in.has_failed; ++i) {
+        out[i] = (int16_t)(uint16_t)ss_read(&r->in, 2);
     }
     return out;
 }
@@ -96,7 +87,7 @@ static const int16_t *get_shorts(reader *r, int32_t count)
 static const float *get_floats(reader *r, int32_t count)
 {
     float *out = take_room(r, count, sizeof *out);
-    for (int32_t i = 0; i < count && !r->is_bad; ++i) {
+    for (int32_t i = 0; i < count && !r->in.has_failed; ++i) {
         out[i] = get_float(r);
     }
     return out;
@@ -106,27 +97,28 @@ static const char *get_text(reader *r)
 {
     const int32_t length = get_int(r);
     char *out = take_room(r, length, 1);
-    if (r->is_bad || length < 1 || memchr(r->at, '\0', (size_t)length) != r->at + length - 1) {
-        r->is_bad = true;
+    if (r->in.has_failed || length < 1 ||
+        memchr(r->in.at, '\0', (size_t)length) != r->in.at + length - 1) {
+        r->in.has_failed = true;
         return "";
     }
-    memcpy(out, r->at, (size_t)length);
-    r->at += length;
-    r->left -= length;
+    memcpy(out, r->in.at, (size_t)length);
+    r->in.at += length;
+    r->in.left -= length;
     return out;
 }
 
 static reader begin(const uint8_t *data, int32_t size, int64_t hash, ss_view_room *room)
 {
-    reader r = {.at = data, .left = size, .room = room};
+    reader r = {.in = {.at = data, .left = size}, .room = room};
     room->used = 0;
-    r.is_bad = size < 8 || size > SS_WIRE_MAX_MESSAGE || (int64_t)get(&r, 8) != hash;
+    expect(&r, size <= SS_WIRE_MAX_MESSAGE && ss_read_int64(&r.in) == hash);
     return r;
 }
 
 static bool is_whole(const reader *r)
 {
-    return !r->is_bad && r->left == 0;
+    return !r->in.has_failed && r->in.left == 0;
 }
 
 /* first .. first + chunk - 1 of `count`? */
@@ -139,13 +131,12 @@ bool ss_view_decode_scene(const uint8_t *data, int32_t size, ss_view_room *room,
                           softsim_scene_report *out)
 {
     reader r = begin(data, size, __softsim_scene_t_get_hash(), room);
-    *out = (softsim_scene_report){.utime_us = (int64_t)get(&r, 8)};
-    out->seq = get_int(&r);
-    out->topology = get_int(&r);
+    *out = (softsim_scene_report){.utime_us = ss_read_int64(&r.in)};
+    GET_INTS(&r, &out->seq, &out->topology);
     int64_t vertices = 0;
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         const int32_t form = get_int(&r);
-        r.is_bad |= form < SOFTSIM_TOOL_NONE || form > SOFTSIM_TOOL_CONVEX;
+        expect(&r, form >= SOFTSIM_TOOL_NONE && form <= SOFTSIM_TOOL_CONVEX);
         out->form[p] = (softsim_tool_form)form;
     }
     for (int i = 0; i < 3 * SOFTSIM_MAX_PROBES; ++i) {
@@ -153,15 +144,15 @@ bool ss_view_decode_scene(const uint8_t *data, int32_t size, ss_view_room *room,
     }
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         out->hull_count[p] = get_int(&r);
-        r.is_bad |= out->hull_count[p] < 0;
+        expect(&r, out->hull_count[p] >= 0);
         vertices += out->hull_count[p];
     }
     const int32_t floats = get_int(&r);
-    r.is_bad |= floats != 3 * vertices;
+    expect(&r, floats == 3 * vertices);
     out->hull = get_floats(&r, floats);
     out->parameter_count = get_int(&r);
-    r.is_bad |= out->parameter_count < 0 || out->parameter_count > SOFTSIM_MAX_LIVE;
-    for (int32_t i = 0; i < out->parameter_count && !r.is_bad; ++i) {
+    expect(&r, out->parameter_count >= 0 && out->parameter_count <= SOFTSIM_MAX_LIVE);
+    for (int32_t i = 0; i < out->parameter_count && !r.in.has_failed; ++i) {
         out->parameter[i] = get_text(&r);
     }
     out->name = get_text(&r);
@@ -174,26 +165,20 @@ bool ss_view_decode_topology(const uint8_t *data, int32_t size, ss_view_room *ro
                              softsim_topology_chunk *out)
 {
     reader r = begin(data, size, __softsim_mesh_topology_t_get_hash(), room);
-    *out = (softsim_topology_chunk){.utime_us = (int64_t)get(&r, 8)};
-    out->seq = get_int(&r);
-    out->topology = get_int(&r);
-    out->node_count = get_int(&r);
-    out->triangle_count = get_int(&r);
-    out->first_node = get_int(&r);
-    out->node_chunk = get_int(&r);
-    const int32_t rest_count = get_int(&r);
-    out->first_triangle = get_int(&r);
-    const int32_t indices = get_int(&r);
+    *out = (softsim_topology_chunk){.utime_us = ss_read_int64(&r.in)};
+    int32_t rest_count, indices;
+    GET_INTS(&r, &out->seq, &out->topology, &out->node_count, &out->triangle_count,
+             &out->first_node, &out->node_chunk, &rest_count, &out->first_triangle, &indices);
     out->scale = get_float(&r);
     out->triangle_chunk = indices / 3;
-    r.is_bad |= !is_within(out->first_node, out->node_chunk, out->node_count) ||
-                !is_within(out->first_triangle, out->triangle_chunk, out->triangle_count) ||
-                rest_count != 3 * (int64_t)out->node_chunk || indices % 3 != 0 || indices < 0 ||
-                !(out->scale > 0.0f);
+    expect(&r, is_within(out->first_node, out->node_chunk, out->node_count) &&
+                   is_within(out->first_triangle, out->triangle_chunk, out->triangle_count) &&
+                   rest_count == 3 * (int64_t)out->node_chunk && indices % 3 == 0 && indices >= 0 &&
+                   out->scale > 0.0f);
     out->file_node = get_ints(&r, out->node_chunk, INT32_MAX);
     uint8_t *flags = take_room(&r, out->node_chunk, 1);
-    for (int32_t i = 0; i < out->node_chunk && !r.is_bad; ++i) {
-        flags[i] = (uint8_t)get(&r, 1);
+    for (int32_t i = 0; i < out->node_chunk && !r.in.has_failed; ++i) {
+        flags[i] = (uint8_t)ss_read(&r.in, 1);
     }
     out->node_flag = flags;
     out->rest = get_floats(&r, rest_count);
@@ -205,13 +190,11 @@ bool ss_view_decode_delta(const uint8_t *data, int32_t size, ss_view_room *room,
                           softsim_mesh_delta *out)
 {
     reader r = begin(data, size, __softsim_mesh_delta_t_get_hash(), room);
-    *out = (softsim_mesh_delta){.utime_us = (int64_t)get(&r, 8)};
-    out->step = (int64_t)get(&r, 8);
-    out->seq = get_int(&r);
-    out->topology = get_int(&r);
-    out->count = get_int(&r);
-    const int32_t numbers = get_int(&r);
-    r.is_bad |= out->count < 0 || numbers != 3 * (int64_t)out->count;
+    *out = (softsim_mesh_delta){.utime_us = ss_read_int64(&r.in)};
+    out->step = ss_read_int64(&r.in);
+    int32_t numbers;
+    GET_INTS(&r, &out->seq, &out->topology, &out->count, &numbers);
+    expect(&r, out->count >= 0 && numbers == 3 * (int64_t)out->count);
     out->node = get_ints(&r, out->count, INT32_MAX);
     out->displacement = get_shorts(&r, numbers);
     return is_whole(&r);
@@ -221,13 +204,10 @@ bool ss_view_decode_field(const uint8_t *data, int32_t size, ss_view_room *room,
                           softsim_mesh_field *out)
 {
     reader r = begin(data, size, __softsim_mesh_field_t_get_hash(), room);
-    *out = (softsim_mesh_field){.utime_us = (int64_t)get(&r, 8)};
-    out->step = (int64_t)get(&r, 8);
-    out->seq = get_int(&r);
-    out->topology = get_int(&r);
-    out->first_node = get_int(&r);
-    out->count = get_int(&r);
-    r.is_bad |= out->first_node < 0 || out->count < 0;
+    *out = (softsim_mesh_field){.utime_us = ss_read_int64(&r.in)};
+    out->step = ss_read_int64(&r.in);
+    GET_INTS(&r, &out->seq, &out->topology, &out->first_node, &out->count);
+    expect(&r, out->first_node >= 0 && out->count >= 0);
     out->name = get_text(&r);
     out->unit = get_text(&r);
     out->low = get_float(&r);

@@ -9,7 +9,7 @@
  * one that is written again. LCM sends; what is received comes by receiver.c.
  * Generated decoders trust length fields (a 40-byte message can overflow the heap): poses are of
  * one exact size and decoded by the generated code after that was checked (codec.c); commands,
- * which hold strings, are read by the bounded reader below.
+ * which hold strings, are read by the bounded reader.
  */
 #include "net/wire.h"
 
@@ -25,6 +25,7 @@
 
 #include "net/codec.h"
 #include "net/gate.h"
+#include "net/reader.h"
 #include "net/status_wire.h"
 #include "rt/clock.h"
 #include "rt/files.h"
@@ -213,43 +214,21 @@ int64_t ss_wire_draw_sender(void)
 
 /* ---- decoding ---- */
 
-/* A bounded reader of LCM's big-endian encoding: once it has run short it stays failed. */
-typedef struct reader {
-    const uint8_t *at;
-    int64_t left;
-    bool has_failed;
-} reader;
-
-static uint64_t read_unsigned(reader *in, int bytes)
+/* The type's hash first; MALFORMED and TYPE_HASH where it is not there or another. */
+static softsim_refusal begin(ss_reader *out, const void *data, int64_t size, int64_t hash)
 {
-    if (in->has_failed || in->left < bytes) {
-        in->has_failed = true;
-        return 0;
+    *out = (ss_reader){.at = data, .left = size};
+    if (size < HASH_SIZE) {
+        return SOFTSIM_REFUSED_MALFORMED;
     }
-    uint64_t value = 0;
-    for (int i = 0; i < bytes; ++i) {
-        value = value << 8 | in->at[i];
-    }
-    in->at += bytes;
-    in->left -= bytes;
-    return value;
-}
-
-static int64_t read_int64(reader *in)
-{
-    return (int64_t)read_unsigned(in, 8);
-}
-
-static int32_t read_int32(reader *in)
-{
-    return (int32_t)(uint32_t)read_unsigned(in, 4);
+    return ss_read_int64(out) == hash ? SOFTSIM_ACCEPTED : SOFTSIM_REFUSED_TYPE_HASH;
 }
 
 /* A string is its length, the NUL included, and its bytes. No NUL before the last, no control
  * character of ASCII, no more than `size` bytes. What else is not to be shown is not taken over. */
-static void read_string(reader *in, char *out_text, int32_t size)
+static void read_string(ss_reader *in, char *out_text, int32_t size)
 {
-    const int32_t length = read_int32(in);
+    const int32_t length = ss_read_int32(in);
     if (in->has_failed || length < 1 || length > size || length > in->left) {
         in->has_failed = true;
         return;
@@ -271,12 +250,10 @@ static void read_string(reader *in, char *out_text, int32_t size)
 softsim_refusal ss_net_decode_pose(const void *data, int64_t size, int64_t receive_ns,
                                    softsim_pose *out_pose)
 {
-    reader in = {.at = data, .left = size};
-    if (size < HASH_SIZE) {
-        return SOFTSIM_REFUSED_MALFORMED;
-    }
-    if (read_int64(&in) != __softsim_probe_pose_t_get_hash()) {
-        return SOFTSIM_REFUSED_TYPE_HASH;
+    ss_reader in;
+    const softsim_refusal refusal = begin(&in, data, size, __softsim_probe_pose_t_get_hash());
+    if (refusal != SOFTSIM_ACCEPTED) {
+        return refusal;
     }
     if (!ss_wire_decode_pose(data, size, out_pose)) {
         return SOFTSIM_REFUSED_MALFORMED;
@@ -288,33 +265,23 @@ softsim_refusal ss_net_decode_pose(const void *data, int64_t size, int64_t recei
 
 softsim_refusal ss_net_decode_command(const void *data, int64_t size, ss_net_command *out_command)
 {
-    reader in = {.at = data, .left = size};
-    if (size < HASH_SIZE) {
-        return SOFTSIM_REFUSED_MALFORMED;
-    }
-    if (read_int64(&in) != __softsim_command_t_get_hash()) {
-        return SOFTSIM_REFUSED_TYPE_HASH;
+    ss_reader in;
+    const softsim_refusal refusal = begin(&in, data, size, __softsim_command_t_get_hash());
+    if (refusal != SOFTSIM_ACCEPTED) {
+        return refusal;
     }
     memset(out_command, 0, sizeof *out_command);
-    out_command->utime_us = read_int64(&in);
-    out_command->sender = read_int64(&in);
-    out_command->seq = read_int32(&in);
-    out_command->id = read_int32(&in);
+    out_command->utime_us = ss_read_int64(&in);
+    out_command->sender = ss_read_int64(&in);
+    out_command->seq = ss_read_int32(&in);
+    out_command->id = ss_read_int32(&in);
     read_string(&in, out_command->name, sizeof out_command->name);
     read_string(&in, out_command->argument, sizeof out_command->argument);
     return in.has_failed || in.left != 0 ? SOFTSIM_REFUSED_MALFORMED : SOFTSIM_ACCEPTED;
 }
 
-static double read_double(reader *in)
-{
-    const uint64_t bits = read_unsigned(in, 8);
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 /* On to byte `at` of a message of `size` bytes. */
-static void skip_to(reader *in, int64_t size, int64_t at)
+static void skip_to(ss_reader *in, int64_t size, int64_t at)
 {
     const int64_t bytes = at - (size - in->left);
     in->has_failed = in->has_failed || in->left < bytes;
@@ -324,18 +291,16 @@ static void skip_to(reader *in, int64_t size, int64_t at)
 
 softsim_refusal ss_net_decode_status(const void *data, int64_t size, ss_net_status *out_status)
 {
-    reader in = {.at = data, .left = size};
-    if (size < HASH_SIZE) {
-        return SOFTSIM_REFUSED_MALFORMED;
-    }
-    if (read_int64(&in) != __softsim_server_status_t_get_hash()) {
-        return SOFTSIM_REFUSED_TYPE_HASH;
+    ss_reader in;
+    const softsim_refusal refusal = begin(&in, data, size, __softsim_server_status_t_get_hash());
+    if (refusal != SOFTSIM_ACCEPTED) {
+        return refusal;
     }
     memset(out_status, 0, sizeof *out_status);
-    out_status->utime_us = read_int64(&in);
-    out_status->seq = read_int32(&in);
+    out_status->utime_us = ss_read_int64(&in);
+    out_status->seq = ss_read_int32(&in);
     skip_to(&in, size, ss_status_uptime_at);
-    out_status->uptime_s = read_double(&in);
+    out_status->uptime_s = ss_read_double(&in);
     skip_to(&in, size, ss_status_texts_at);
     read_string(&in, out_status->scene, sizeof out_status->scene);
     return in.has_failed || !(out_status->uptime_s >= 0.0 && out_status->uptime_s < MAX_UPTIME)
