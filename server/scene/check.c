@@ -389,57 +389,45 @@ void ss_scene_set_defaults(ss_scene *scene)
     set_table_defaults(scene, ss_scene_root);
 }
 
+static void check_text(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)
+{
+    node->is_path = row->kind == SS_SCENE_FILE;
+    if (node->kind != SS_SCENE_SCALAR || node->text[0] == '\0') {
+        fault_value(check, row, node, kind_text(node));
+    }
+}
+
+static void check_map(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)
+{
+    if (node->kind != SS_SCENE_MAP) {
+        fault_value(check, row, node, kind_text(node));
+    } else {
+        check_keys(check, node, row->child);
+    }
+}
+
 static void check_value(ss_scene_check *check, const ss_scene_row *row, ss_scene_node *node)
 {
+    /* Of the kinds that are no numbers. */
+    static void (*const check_kind[])(ss_scene_check *, const ss_scene_row *,
+                                      ss_scene_node *) = {[SS_SCENE_TEXT] = check_text,
+                                                          [SS_SCENE_FILE] = check_text,
+                                                          [SS_SCENE_BOX] = check_box,
+                                                          [SS_SCENE_AXES] = check_axes,
+                                                          [SS_SCENE_NODES] = check_nodes,
+                                                          [SS_SCENE_FIELD] = check_field,
+                                                          [SS_SCENE_DIRECTION] = check_direction,
+                                                          [SS_SCENE_KEYS] = check_map,
+                                                          [SS_SCENE_MODEL] = check_model,
+                                                          [SS_SCENE_ENTRIES] = check_entries};
+    const size_t kinds = sizeof check_kind / sizeof check_kind[0];
     double value[3] = {0, 0, 0};
-    bool is_good = false;
-    switch (row->kind) {
-    case SS_SCENE_NUMBER:
-    case SS_SCENE_INTEGER:
-    case SS_SCENE_RATE:
-    case SS_SCENE_BOOL:
-    case SS_SCENE_CHOICE:
-        is_good = check_number(check, row, node, value);
-        break;
-    case SS_SCENE_VECTOR:
-        is_good = check_vector(check, row, node, value);
-        break;
-    case SS_SCENE_TEXT:
-    case SS_SCENE_FILE:
-        node->is_path = row->kind == SS_SCENE_FILE;
-        if (node->kind != SS_SCENE_SCALAR || node->text[0] == '\0') {
-            fault_value(check, row, node, kind_text(node));
-        }
-        break;
-    case SS_SCENE_BOX:
-        check_box(check, row, node);
-        break;
-    case SS_SCENE_AXES:
-        check_axes(check, row, node);
-        break;
-    case SS_SCENE_NODES:
-        check_nodes(check, row, node);
-        break;
-    case SS_SCENE_FIELD:
-        check_field(check, row, node);
-        break;
-    case SS_SCENE_DIRECTION:
-        check_direction(check, row, node);
-        break;
-    case SS_SCENE_MODEL:
-        check_model(check, row, node);
-        break;
-    case SS_SCENE_ENTRIES:
-        check_entries(check, row, node);
-        break;
-    case SS_SCENE_KEYS:
-        if (node->kind != SS_SCENE_MAP) {
-            fault_value(check, row, node, kind_text(node));
-        } else {
-            check_keys(check, node, row->child);
-        }
-        break;
+    if ((size_t)row->kind < kinds && check_kind[row->kind] != NULL) {
+        check_kind[row->kind](check, row, node);
+        return;
     }
+    const bool is_good = row->kind == SS_SCENE_VECTOR ? check_vector(check, row, node, value)
+                                                      : check_number(check, row, node, value);
     if (is_good && row->field > 0) {
         bind(check->scene, row, value);
     }

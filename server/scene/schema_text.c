@@ -132,68 +132,42 @@ static void describe_range(const ss_scene_row *row, char *out, size_t size)
 
 void ss_scene_describe(const ss_scene_row *row, char *out, size_t size)
 {
-    char range[128];
+    /* Each followed by `what` of it, then by `after`. */
+    enum { NOTHING, RANGE, CHOICES, HELP, NAMES };
+    static const struct {
+        const char *before, *after;
+        int what;
+    } kinds[] = {
+        [SS_SCENE_NUMBER] = {"a number", "", RANGE},
+        [SS_SCENE_INTEGER] = {"a whole number", "", RANGE},
+        [SS_SCENE_RATE] = {"auto, or a number", "", RANGE},
+        [SS_SCENE_BOOL] = {"true or false", "", NOTHING},
+        [SS_SCENE_CHOICE] = {"one of ", "", CHOICES},
+        [SS_SCENE_TEXT] = {"a name: ", "", HELP},
+        [SS_SCENE_FILE] = {"the name of a file: ", "", HELP},
+        [SS_SCENE_VECTOR] = {"[x, y, z], each a number", "", RANGE},
+        [SS_SCENE_BOX] = {"[[x, y, z], [x, y, z]], lower corner first, each a number", "", RANGE},
+        [SS_SCENE_AXES] = {"axes of the world, such as xyz, xy or z", "", NOTHING},
+        [SS_SCENE_NODES] = {"[0, 1, 2], or the name of a file with one number a line", "", NOTHING},
+        [SS_SCENE_FIELD] = {"a number", ", {file: NAME.csv}, or a list of {where: ..., value: ...}",
+                            RANGE},
+        [SS_SCENE_DIRECTION] = {"[x, y, z] of any length but 0, or {file: NAME.csv}", "", NOTHING},
+        [SS_SCENE_KEYS] = {"a mapping with keys of: ", "", NAMES},
+        [SS_SCENE_MODEL] = {"a mapping with the key name and the model's parameters", "", NOTHING},
+        [SS_SCENE_ENTRIES] = {"a list of mappings with keys of: ", "", NAMES},
+    };
+    char range[128], names[160];
     describe_range(row, range, sizeof range);
-    switch (row->kind) {
-    case SS_SCENE_NUMBER:
-        snprintf(out, size, "a number%s", range);
-        break;
-    case SS_SCENE_INTEGER:
-        snprintf(out, size, "a whole number%s", range);
-        break;
-    case SS_SCENE_RATE:
-        snprintf(out, size, "auto, or a number%s", range);
-        break;
-    case SS_SCENE_BOOL:
-        snprintf(out, size, "true or false");
-        break;
-    case SS_SCENE_CHOICE: {
-        snprintf(out, size, "one of %s", row->choices);
-        for (char *bar = strchr(out, '|'); bar != NULL; bar = strchr(bar, '|')) {
-            *bar = ' ';
-        }
-        break;
-    }
-    case SS_SCENE_TEXT:
-        snprintf(out, size, "a name: %s", row->help);
-        break;
-    case SS_SCENE_FILE:
-        snprintf(out, size, "the name of a file: %s", row->help);
-        break;
-    case SS_SCENE_VECTOR:
-        snprintf(out, size, "[x, y, z], each a number%s", range);
-        break;
-    case SS_SCENE_BOX:
-        snprintf(out, size, "[[x, y, z], [x, y, z]], lower corner first, each a number%s", range);
-        break;
-    case SS_SCENE_AXES:
-        snprintf(out, size, "axes of the world, such as xyz, xy or z");
-        break;
-    case SS_SCENE_NODES:
-        snprintf(out, size, "[0, 1, 2], or the name of a file with one number a line");
-        break;
-    case SS_SCENE_FIELD:
-        snprintf(out, size, "a number%s, {file: NAME.csv}, or a list of {where: ..., value: ...}",
-                 range);
-        break;
-    case SS_SCENE_DIRECTION:
-        snprintf(out, size, "[x, y, z] of any length but 0, or {file: NAME.csv}");
-        break;
-    case SS_SCENE_KEYS: {
-        char names[160];
-        ss_scene_join(ss_scene_row_name, row->child.row, row->child.count, names, sizeof names);
-        snprintf(out, size, "a mapping with keys of: %s", names);
-        break;
-    }
-    case SS_SCENE_MODEL:
-        snprintf(out, size, "a mapping with the key name and the model's parameters");
-        break;
-    case SS_SCENE_ENTRIES: {
-        char names[160];
-        ss_scene_join(ss_scene_row_name, row->child.row, row->child.count, names, sizeof names);
-        snprintf(out, size, "a list of mappings with keys of: %s", names);
-        break;
-    }
+    ss_scene_join(ss_scene_row_name, row->child.row, row->child.count, names, sizeof names);
+    const char *of[] = {[NOTHING] = "",
+                        [RANGE] = range,
+                        [CHOICES] = row->choices,
+                        [HELP] = row->help,
+                        [NAMES] = names};
+    snprintf(out, size, "%s%s%s", kinds[row->kind].before, of[kinds[row->kind].what],
+             kinds[row->kind].after);
+    for (char *bar = out; row->kind == SS_SCENE_CHOICE && (bar = strchr(bar, '|')) != NULL;) {
+        *bar = ' ';
     }
 }
 

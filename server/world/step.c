@@ -38,32 +38,18 @@ static const double DEFORMED_TIME = 1.0;
 
 static void run_simulation_command(ss_world *world, const ss_command_record *command)
 {
-    switch (command->kind) {
-    case SS_COMMAND_PAUSE:
-        world->simulation_paused = true;
-        break;
-    case SS_COMMAND_RESUME:
-        world->simulation_paused = false;
-        ++world->simulation_starts;
-        break;
-    case SS_COMMAND_RESET:
+    ss_loop_hear(&world->simulation_run, command->kind);
+    if (command->kind == SS_COMMAND_RESET) {
         world->is_hashed = false;
-        ++world->simulation_starts;
         world->deformed_until = world->steps;
         world->model_class->reset(world->model);
         ss_energy_watch_reset(&world->energy);
-        break;
-    case SS_COMMAND_SET:
-        if (command->key == SS_LIVE_MODEL_ROW) {
-            world->is_hashed = false;
-            world->model_class->set(world->model, command->row, command->value);
-            ss_energy_watch_skip(&world->energy);
-        } else if (command->key == SS_LIVE_MESH_RATE) {
-            world->snapshot_every = ss_world_snapshot_interval(command->value, world->step_period);
-        }
-        break;
-    default:
-        break;
+    } else if (command->kind == SS_COMMAND_SET && command->key == SS_LIVE_MODEL_ROW) {
+        world->is_hashed = false;
+        world->model_class->set(world->model, command->row, command->value);
+        ss_energy_watch_skip(&world->energy);
+    } else if (command->kind == SS_COMMAND_SET && command->key == SS_LIVE_MESH_RATE) {
+        world->snapshot_every = ss_world_snapshot_interval(command->value, world->step_period);
     }
 }
 
@@ -168,8 +154,8 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
     probe->was_present = false;
     probe->is_found_inside =
         is_same && probe->is_found_inside && probe->found_entries == target->entries;
-    if (!target->is_present || target->starts != world->simulation_starts ||
-        (world->simulation_paused && !is_same)) {
+    if (!target->is_present || target->starts != world->simulation_run.starts ||
+        (world->simulation_run.is_paused && !is_same)) {
         probe->steps_unplaced = 0;
         return (ss_model_tool){.is_present = false};
     }
@@ -228,7 +214,7 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
                                   .step = world->steps,
                                   .period = world->step_period,
                                   .pose_seq = probe->step_target.pose_seq,
-                                  .starts = world->simulation_starts,
+                                  .starts = world->simulation_run.starts,
                                   .is_fault = info->verdict == SOFTSIM_VERDICT_FAULT,
                                   .stored = info->kinetic + info->elastic,
                                   .load_work = info->load_work};
@@ -263,7 +249,7 @@ void ss_world_step_compute(ss_world *world)
     }
     ss_model_info info;
     const bool is_still =
-        world->simulation_paused || world->energy.verdict == SOFTSIM_VERDICT_FAULT;
+        world->simulation_run.is_paused || world->energy.verdict == SOFTSIM_VERDICT_FAULT;
     if (!is_still) {
         world->model_class->step(world->model, (double)world->steps * world->step_period,
                                  world->step_period, tool);
@@ -334,7 +320,7 @@ void ss_world_step_post(ss_world *world)
     }
     ss_simulation_stats *stats = ss_mailbox_draft(world->simulation_stats);
     ss_world_info(world, &stats->info);
-    stats->is_paused = world->simulation_paused;
+    stats->is_paused = world->simulation_run.is_paused;
     stats->info.step = world->steps;
     const int64_t quarter = (int64_t)ceil(0.25 / world->step_period);
     if (world->steps % quarter == 0) {

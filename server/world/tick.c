@@ -17,46 +17,26 @@ enum { TICK_POSES = 64 /* more are left for the next tick */ };
 static void run_haptic_command(ss_world *world, const ss_command_record *command)
 {
     ss_haptic_config *config = &world->haptic_config;
-    switch (command->kind) {
-    case SS_COMMAND_PAUSE:
-        world->haptic_paused = true;
-        break;
-    case SS_COMMAND_RESUME:
-        world->haptic_paused = false;
-        ++world->haptic_starts;
-        break;
-    case SS_COMMAND_RESET:
-        ++world->haptic_starts;
-        break;
-    case SS_COMMAND_SET:
-        switch (command->key) {
-        case SS_LIVE_MAX_FORCE:
-            config->max_force = command->value;
-            break;
-        case SS_LIVE_MAX_SLEW:
-            config->max_slew = command->value;
-            break;
-        case SS_LIVE_COUPLING_STIFFNESS:
-            config->stiffness = command->value;
-            break;
-        case SS_LIVE_COUPLING_DAMPING:
-            config->damping = command->value;
-            break;
-        case SS_LIVE_BETWEEN_STEPS:
-            config->between_steps = ss_world_between((ss_scene_between)command->value);
-            break;
-        default:
-            return;
+    double *const number[] = {[SS_LIVE_MAX_FORCE] = &config->max_force,
+                              [SS_LIVE_MAX_SLEW] = &config->max_slew,
+                              [SS_LIVE_COUPLING_STIFFNESS] = &config->stiffness,
+                              [SS_LIVE_COUPLING_DAMPING] = &config->damping};
+    ss_loop_hear(&world->haptic_run, command->kind);
+    if (command->kind != SS_COMMAND_SET) {
+        return;
+    }
+    if ((size_t)command->key < sizeof number / sizeof number[0]) {
+        *number[command->key] = command->value;
+    } else if (command->key == SS_LIVE_BETWEEN_STEPS) {
+        config->between_steps = ss_world_between((ss_scene_between)command->value);
+    } else {
+        return;
+    }
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (world->probe[p].is_used) {
+            const ss_haptic_config changed = ss_world_probe_config(world, p);
+            ss_haptic_configure(world->probe[p].haptic, &changed);
         }
-        for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-            if (world->probe[p].is_used) {
-                const ss_haptic_config changed = ss_world_probe_config(world, p);
-                ss_haptic_configure(world->probe[p].haptic, &changed);
-            }
-        }
-        break;
-    default:
-        break;
     }
 }
 
@@ -77,8 +57,8 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
         world->superseded += input.pose_count - 1;
     }
     input.result = ss_mailbox_take(probe->result, &input.is_result_new);
-    input.is_paused = world->haptic_paused;
-    input.starts = world->haptic_starts;
+    input.is_paused = world->haptic_run.is_paused;
+    input.starts = world->haptic_run.starts;
     input.is_stopping = atomic_load_explicit(&world->is_stopping, memory_order_acquire);
 
     ss_haptic_output output;

@@ -108,6 +108,18 @@ typedef struct ss_world_probe {
     int64_t last_good_tick;
 } ss_world_probe;
 
+/* What a loop has heard of pauses, resumes and resets. */
+typedef struct ss_loop_run {
+    bool is_paused;
+    uint32_t starts; /* resets and resumes */
+} ss_loop_run;
+
+static inline void ss_loop_hear(ss_loop_run *run, ss_command_kind kind)
+{
+    run->is_paused = kind == SS_COMMAND_PAUSE || (run->is_paused && kind != SS_COMMAND_RESUME);
+    run->starts += kind == SS_COMMAND_RESUME || kind == SS_COMMAND_RESET;
+}
+
 typedef struct ss_world {
     ss_scene *scene;
     const ss_model_class *model_class;
@@ -143,8 +155,7 @@ typedef struct ss_world {
     int64_t next_quantiles_tick;
     int64_t superseded, late_periods;
     double taken_j; /* J, from all devices up to the last tick */
-    bool haptic_paused;
-    uint32_t haptic_starts;           /* resets and resumes heard of */
+    ss_loop_run haptic_run;
     ss_hand_verdict hand, worst_hand; /* lately; ever. Read by the lockstep thread too */
     atomic_bool is_stopping;          /* any -> haptic */
 
@@ -152,10 +163,9 @@ typedef struct ss_world {
     ss_histogram *step_time;
     int64_t steps;
     int64_t substeps; /* of all steps */
-    bool simulation_paused;
-    uint32_t simulation_starts; /* resets and resumes heard of */
-    int64_t deformed_until;     /* step: before it, tissue that a tool held off may spring back */
-    bool is_hashed;             /* `hash` is that of the state as it is; lockstep */
+    ss_loop_run simulation_run;
+    int64_t deformed_until; /* step: before it, tissue that a tool held off may spring back */
+    bool is_hashed;         /* `hash` is that of the state as it is; lockstep */
     uint64_t hash;
     double lag; /* as in the stats */
     ss_energy_watch energy;

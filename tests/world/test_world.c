@@ -85,7 +85,7 @@ TEST(commands_are_taken_without_a_haptic_loop)
         const char *name = i % 2 == 0 ? "pause" : "resume";
         assert_int_equal(ss_world_command(world, name, "", &record, text, sizeof text), 0);
         ss_world_step_begin(world);
-        assert_int_equal(world->simulation_paused, i % 2 == 0);
+        assert_int_equal(world->simulation_run.is_paused, i % 2 == 0);
     }
     ss_world_destroy(&world);
 }
@@ -103,7 +103,7 @@ TEST(an_argument_that_is_not_taken_is_refused)
         assert_int_equal(ss_world_command(world, names[i], "now", &record, text, sizeof text), 2);
         assert_non_null(strstr(text, wanted));
         ss_world_step_begin(world);
-        assert_false(world->simulation_paused);
+        assert_false(world->simulation_run.is_paused);
         assert_int_equal(ss_world_command(world, names[i], "", &record, text, sizeof text), 0);
         assert_int_equal(ss_world_command(world, "resume", "", &record, text, sizeof text), 0);
         ss_world_step_begin(world);
@@ -187,7 +187,7 @@ TEST(a_command_that_finds_no_room_changes_nothing)
                          SOFTSIM_REFUSED_JUMP);
         assert_int_equal(ss_world_command(world, "pause", "", &record, text, sizeof text), 1);
         ss_world_step_begin(world);
-        assert_false(world->simulation_paused);
+        assert_false(world->simulation_run.is_paused);
         /* With room again it is set. */
         while (ss_ring_pop(world->haptic_commands, &record)) {
         }
@@ -326,16 +326,16 @@ TEST(a_command_reaches_both_loops_or_none)
         ss_world_step_begin(world);
     }
     assert_in_range(taken, 1, TRIES - 1);
-    assert_int_equal(world->simulation_starts, taken);
+    assert_int_equal(world->simulation_run.starts, taken);
     ss_world_haptic_tick(world, 1, 0, 0);
-    assert_int_equal(world->haptic_starts, taken);
+    assert_int_equal(world->haptic_run.starts, taken);
     for (int i = 0; i < TRIES; ++i) {
         taken += ss_world_command(world, "reset", "", &record, text, sizeof text) == 0;
         ss_world_haptic_tick(world, 2 + i, 0, 0);
     }
     ss_world_step_begin(world);
-    assert_int_equal(world->simulation_starts, taken);
-    assert_int_equal(world->haptic_starts, taken);
+    assert_int_equal(world->simulation_run.starts, taken);
+    assert_int_equal(world->haptic_run.starts, taken);
     ss_world_destroy(&world);
 }
 
