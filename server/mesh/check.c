@@ -267,59 +267,57 @@ static double measure_corner(const ss_mesh *mesh, const int32_t *node, double *i
     return area;
 }
 
-static void check_triangles(const ss_mesh *mesh, ss_mesh_report *report)
+/* Area; *out_is_flat where it is below `least`. */
+static double check_triangle(const ss_mesh *mesh, int32_t t, double least, double *inout_angle,
+                             bool *out_is_flat)
 {
-    report->angle_min = 180.0;
-    const double least = SS_MESH_FLAT_AREA * report->edge_mean * report->edge_mean;
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        const int32_t *node = mesh->triangle[t];
-        if (!indices_are_good(mesh, node, 3)) {
-            add_fault(&report->bad_index, t);
-            continue;
-        }
-        double area = 0.0;
-        for (int c = 0; c < 3; ++c) {
-            const int32_t corner[3] = {node[c], node[(c + 1) % 3], node[(c + 2) % 3]};
-            area = measure_corner(mesh, corner, &report->angle_min);
-        }
-        if (isfinite(area)) {
-            report->area += area;
-        }
-        if (area <= least) {
-            add_fault(&report->zero_area, t);
-        }
+    const int32_t *node = mesh->triangle[t];
+    double area = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        const int32_t corner[3] = {node[c], node[(c + 1) % 3], node[(c + 2) % 3]};
+        area = measure_corner(mesh, corner, inout_angle);
     }
+    *out_is_flat = area <= least;
+    return area;
 }
 
-/* Areas as ss_mesh_node_areas sums them; flat where a half is. */
-static void check_quads(const ss_mesh *mesh, ss_mesh_report *report)
+/* Area as ss_mesh_node_areas sums it; flat where a half is, or with a corner twice. */
+static double check_quad(const ss_mesh *mesh, int32_t q, double least, double *inout_angle,
+                         bool *out_is_flat)
 {
-    report->angle_min = 180.0;
+    const int32_t *node = mesh->quad[q];
+    double unused = 180.0;
+    double area[4], vector[4][3];
+    *out_is_flat = !ss_mesh_has_good_nodes(mesh, node, 4);
+    for (int c = 0; c < 4; ++c) {
+        const int32_t corner[3] = {node[c], node[(c + 1) % 4], node[(c + 3) % 4]};
+        (void)measure_corner(mesh, corner, inout_angle);
+    }
+    ss_mesh_share_quad(mesh, node, area, vector);
+    for (int half = 0; half < 2; ++half) {
+        *out_is_flat |= measure_corner(mesh, mesh->triangle[2 * q + half], &unused) <= least;
+    }
+    return area[0] + area[1] + area[2] + area[3];
+}
+
+static void check_faces(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    const bool is_quads = mesh->quad_count > 0;
+    const int32_t count = is_quads ? mesh->quad_count : mesh->triangle_count;
     const double least = SS_MESH_FLAT_AREA * report->edge_mean * report->edge_mean;
-    for (int32_t q = 0; q < mesh->quad_count; ++q) {
-        const int32_t *node = mesh->quad[q];
-        if (!indices_are_good(mesh, node, 4)) {
-            add_fault(&report->bad_index, q);
+    report->angle_min = 180.0;
+    for (int32_t f = 0; f < count; ++f) {
+        const int32_t *node = is_quads ? mesh->quad[f] : mesh->triangle[f];
+        if (!indices_are_good(mesh, node, is_quads ? 4 : 3)) {
+            add_fault(&report->bad_index, f);
             continue;
         }
-        double unused = 180.0;
-        double area[4], vector[4][3];
-        bool is_flat = !ss_mesh_has_good_nodes(mesh, node, 4); /* a corner twice */
-        for (int c = 0; c < 4; ++c) {
-            const int32_t corner[3] = {node[c], node[(c + 1) % 4], node[(c + 3) % 4]};
-            (void)measure_corner(mesh, corner, &report->angle_min);
-        }
-        ss_mesh_share_quad(mesh, node, area, vector);
-        for (int half = 0; half < 2; ++half) {
-            is_flat =
-                measure_corner(mesh, mesh->triangle[2 * q + half], &unused) <= least || is_flat;
-        }
-        const double sum = area[0] + area[1] + area[2] + area[3];
-        if (isfinite(sum)) {
-            report->area += sum;
-        }
+        bool is_flat;
+        const double area =
+            (is_quads ? check_quad : check_triangle)(mesh, f, least, &report->angle_min, &is_flat);
+        report->area += isfinite(area) ? area : 0.0;
         if (is_flat) {
-            add_fault(&report->zero_area, q);
+            add_fault(&report->zero_area, f);
         }
     }
 }
@@ -466,11 +464,7 @@ softsim_status ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report)
         check_surface_edges(mesh, &edges, out_report) && find_coincident(mesh, out_report) &&
         check_parts(mesh, &edges, out_report) && check_shared_tetrahedra(mesh, out_report);
     if (is_done) {
-        if (has_quads) {
-            check_quads(mesh, out_report);
-        } else {
-            check_triangles(mesh, out_report);
-        }
+        check_faces(mesh, out_report);
         check_duplicates(&elements, &out_report->duplicate_triangle);
         check_tetrahedra(mesh, out_report);
     }

@@ -42,6 +42,20 @@ static softsim_status fail_create(ss_mesh **mesh, int32_t node_count, softsim_er
     return SOFTSIM_ERROR_MEMORY;
 }
 
+/* A mesh of nodes alone; NULL when out of memory. */
+static ss_mesh *create_nodes(int32_t node_count, const double (*position)[3])
+{
+    ss_mesh *mesh = ss_memory_get(1, sizeof *mesh);
+    if (mesh != NULL) {
+        mesh->node_count = node_count;
+        mesh->position = copy_of(position, node_count, sizeof *position);
+    }
+    if (mesh != NULL && mesh->position == NULL) {
+        ss_mesh_destroy(&mesh);
+    }
+    return mesh;
+}
+
 softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
                               int32_t triangle_count, const int32_t (*triangle)[3],
                               int32_t tetrahedron_count, const int32_t (*tetrahedron)[4],
@@ -57,15 +71,13 @@ softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
                           node_count, triangle_count, tetrahedron_count, MAX_COUNT);
         return SOFTSIM_ERROR_MESH;
     }
-    ss_mesh *mesh = ss_memory_get(1, sizeof *mesh);
+    ss_mesh *mesh = create_nodes(node_count, position);
     if (mesh == NULL) {
         return fail_create(&mesh, node_count, error);
     }
-    mesh->node_count = node_count;
     mesh->tetrahedron_count = tetrahedron_count;
-    mesh->position = copy_of(position, node_count, sizeof *position);
     mesh->tetrahedron = copy_of(tetrahedron, tetrahedron_count, sizeof *tetrahedron);
-    if (mesh->position == NULL || mesh->tetrahedron == NULL) {
+    if (mesh->tetrahedron == NULL) {
         return fail_create(&mesh, node_count, error);
     }
     if (triangle_count > 0) {
@@ -92,19 +104,17 @@ softsim_status ss_mesh_create_quads(int32_t node_count, const double (*position)
                           node_count, quad_count, MAX_COUNT, MAX_COUNT / 2);
         return SOFTSIM_ERROR_MESH;
     }
-    ss_mesh *mesh = ss_memory_get(1, sizeof *mesh);
+    ss_mesh *mesh = create_nodes(node_count, position);
     if (mesh == NULL) {
         return fail_create(&mesh, node_count, error);
     }
-    mesh->node_count = node_count;
     mesh->quad_count = quad_count;
     mesh->triangle_count = 2 * quad_count;
-    mesh->position = copy_of(position, node_count, sizeof *position);
     mesh->quad = copy_of(quad, quad_count, sizeof *quad);
     mesh->tetrahedron = ss_memory_get(0, sizeof *mesh->tetrahedron);
     mesh->triangle = ss_memory_get((size_t)mesh->triangle_count, sizeof *mesh->triangle);
-    if (mesh->position == NULL || mesh->quad == NULL || mesh->tetrahedron == NULL ||
-        mesh->triangle == NULL || !ss_mesh_arrange_quads(mesh) || !ss_mesh_find_closed(mesh)) {
+    if (mesh->quad == NULL || mesh->tetrahedron == NULL || mesh->triangle == NULL ||
+        !ss_mesh_arrange_quads(mesh) || !ss_mesh_find_closed(mesh)) {
         return fail_create(&mesh, node_count, error);
     }
     *out_mesh = mesh;
@@ -212,16 +222,52 @@ void ss_mesh_node_area_vectors(const ss_mesh *mesh, double (*out_vector)[3])
 
 double ss_mesh_diagonal(const ss_mesh *mesh)
 {
-    double lowest[3] = {0.0, 0.0, 0.0};
-    double highest[3] = {0.0, 0.0, 0.0};
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            const double x = mesh->position[i][k];
-            lowest[k] = i == 0 ? x : fmin(lowest[k], x);
-            highest[k] = i == 0 ? x : fmax(highest[k], x);
-        }
-    }
-    double diagonal[3];
+    double lowest[3], highest[3], diagonal[3];
+    ss_bounds3(mesh->node_count, (const double(*)[3])mesh->position, lowest, highest);
     ss_sub3(diagonal, highest, lowest);
     return ss_norm3(diagonal);
+}
+
+double ss_mesh_radius(const ss_mesh *mesh, double out_middle[3])
+{
+    double most = 0.0;
+    ss_set3(out_middle, 0.0, 0.0, 0.0);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        ss_madd3(out_middle, out_middle, 1.0 / mesh->node_count, mesh->position[i]);
+    }
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        double r[3];
+        ss_sub3(r, mesh->position[i], out_middle);
+        most = fmax(most, ss_norm3(r));
+    }
+    return most;
+}
+
+int32_t ss_mesh_node_normal(const ss_mesh *mesh, int32_t node, double out_normal[3])
+{
+    int32_t count = 0;
+    ss_set3(out_normal, 0.0, 0.0, 0.0);
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *c = mesh->triangle[t];
+        if (c[0] == node || c[1] == node || c[2] == node) {
+            double n[3];
+            ss_normal3(n, mesh->position[c[0]], mesh->position[c[1]], mesh->position[c[2]]);
+            ss_add3(out_normal, out_normal, n);
+            ++count;
+        }
+    }
+    return ss_normalize3(out_normal) > 0.0 ? count : 0;
+}
+
+double ss_mesh_mean_side(const double (*position)[3], const int32_t (*triangle)[3], int32_t count)
+{
+    double sum = 0.0;
+    for (int32_t t = 0; t < count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            double way[3];
+            ss_sub3(way, position[triangle[t][(k + 1) % 3]], position[triangle[t][k]]);
+            sum += ss_norm3(way);
+        }
+    }
+    return sum / (3.0 * count);
 }

@@ -261,6 +261,12 @@ void ss_mesh_node_areas(const ss_mesh *mesh, double *out_area);
 /* The same of area vectors. */
 void ss_mesh_node_area_vectors(const ss_mesh *mesh, double (*out_vector)[3]);
 double ss_mesh_diagonal(const ss_mesh *mesh);
+/* The mean of the nodes, and how far the farthest is from it. */
+double ss_mesh_radius(const ss_mesh *mesh, double out_middle[3]);
+/* The mean direction of the triangles at a node; their number, 0 where they have none. */
+int32_t ss_mesh_node_normal(const ss_mesh *mesh, int32_t node, double out_normal[3]);
+/* Of triangles; every edge of a closed body counts twice. */
+double ss_mesh_mean_side(const double (*position)[3], const int32_t (*triangle)[3], int32_t count);
 
 /* A body of two layers (skin.c): the tetrahedra of `core`, and as its surface `outer` with those
  * faces of the core that it leaves open. Nodes: the core's, then the outer surface's. Closed when

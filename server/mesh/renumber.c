@@ -83,15 +83,8 @@ static int compare_places(const void *left, const void *right)
 
 static void place_nodes(const ss_mesh *mesh, place *out)
 {
-    double low[3] = {0.0, 0.0, 0.0};
-    double high[3] = {0.0, 0.0, 0.0};
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            const double x = mesh->position[i][k];
-            low[k] = i == 0 ? x : fmin(low[k], x);
-            high[k] = i == 0 ? x : fmax(high[k], x);
-        }
-    }
+    double low[3], high[3];
+    ss_bounds3(mesh->node_count, (const double(*)[3])mesh->position, low, high);
     const double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
     const uint64_t apart = mesh->tetrahedron_count > 0 ? UINT64_C(1) << 63 : 0;
     for (int32_t i = 0; i < mesh->node_count; ++i) {

@@ -4,6 +4,7 @@
 /* Small double-precision vectors and unit quaternions (w x y z, tool to world). RT-safe. */
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 #define SS_PI 3.14159265358979323846
 
@@ -148,4 +149,42 @@ static inline void ss_turn_between(const double a[4], const double b[4], double 
     const double sine = ss_norm3(v);
     const double angle = 2.0 * atan2(sine, fabs(w));
     ss_scale3(out, v, sine > 0.0 ? (w < 0.0 ? -angle : angle) / sine : 0.0);
+}
+
+/* The box around points; zeros without any. */
+static inline void ss_bounds3(int32_t count, const double (*x)[3], double low[3], double high[3])
+{
+    ss_set3(low, 0.0, 0.0, 0.0);
+    ss_set3(high, 0.0, 0.0, 0.0);
+    for (int32_t i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            low[k] = i == 0 ? x[i][k] : fmin(low[k], x[i][k]);
+            high[k] = i == 0 ? x[i][k] : fmax(high[k], x[i][k]);
+        }
+    }
+}
+
+/* x := (L L^T)^-1 x; rows of the factor L are `row` apart. */
+static inline void ss_solve_cholesky(int32_t n, const double *factor, int32_t row, double *x)
+{
+    for (int32_t i = 0; i < n; ++i) {
+        for (int32_t k = 0; k < i; ++k) {
+            x[i] -= factor[i * row + k] * x[k];
+        }
+        x[i] /= factor[i * row + i];
+    }
+    for (int32_t i = n - 1; i >= 0; --i) {
+        for (int32_t k = i + 1; k < n; ++k) {
+            x[i] -= factor[k * row + i] * x[k];
+        }
+        x[i] /= factor[i * row + i];
+    }
+}
+
+/* A rotation of two numbers, as Jacobi's method turns rows and columns. */
+static inline void ss_rotate_pair(double *x, double *y, double cosine, double sine)
+{
+    const double before = *x;
+    *x = cosine * before - sine * *y;
+    *y = sine * before + cosine * *y;
 }

@@ -521,16 +521,7 @@ static bool check_positions(loader *l, const ss_table *table, const int32_t *nod
 {
     static const char *const axes[] = {"x", "y", "z"};
     const ss_mesh *mesh = l->body->mesh;
-    double low[3] = {(double)INFINITY, (double)INFINITY, (double)INFINITY};
-    double high[3] = {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY}, size[3];
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            low[k] = fmin(low[k], mesh->position[i][k]);
-            high[k] = fmax(high[k], mesh->position[i][k]);
-        }
-    }
-    ss_sub3(size, high, low);
-    const double far = PLACE_SHARE * ss_norm3(size);
+    const double far = PLACE_SHARE * ss_mesh_diagonal(mesh);
     for (int k = 0; k < 3; ++k) {
         const int32_t column = ss_table_find(table, axes[k], NULL);
         for (int32_t i = 0; i < table->row_count && column >= 0; ++i) {

@@ -138,20 +138,6 @@ static void turn_z(const double way[3], double out[4])
     out[3] = 0.0;
 }
 
-static double mean_edge(const ss_mesh *mesh)
-{
-    double sum = 0.0;
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        for (int k = 0; k < 3; ++k) {
-            double way[3];
-            ss_sub3(way, mesh->position[mesh->triangle[t][(k + 1) % 3]],
-                    mesh->position[mesh->triangle[t][k]]);
-            sum += ss_norm3(way);
-        }
-    }
-    return sum / (3.0 * mesh->triangle_count);
-}
-
 /* ---- how far off ---- */
 
 /* A place that is given must be on the surface, and free there: a unit mistaken, or a place of
@@ -160,7 +146,9 @@ static softsim_status check_place(const ss_world *world, const double at[3], int
                                   softsim_error *error)
 {
     const ss_mesh *mesh = world->scene->mesh;
-    const double edge = mean_edge(mesh);
+    const double edge =
+        ss_mesh_mean_side((const double(*)[3])mesh->position, (const int32_t(*)[3])mesh->triangle,
+                          mesh->triangle_count);
     double off = INFINITY, reach = edge, way[3];
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const double *corner[3];
@@ -270,7 +258,11 @@ static bool approach(ss_world *world, ss_press *press)
 static bool plan_patch(const ss_world *world, const double *area, ss_press *press)
 {
     const ss_mesh *mesh = world->scene->mesh;
-    const double reach = PATCH_EDGES * mean_edge(mesh) * (1.0 + 1e-9);
+    const double reach =
+        PATCH_EDGES *
+        ss_mesh_mean_side((const double(*)[3])mesh->position, (const int32_t(*)[3])mesh->triangle,
+                          mesh->triangle_count) *
+        (1.0 + 1e-9);
     size_t size = 0;
     FILE *stream = open_memstream(&press->patch, &size);
     if (!stream) {

@@ -21,6 +21,7 @@
  */
 #include "solve.h"
 #include "rt/each.h"
+#include "rt/vec.h"
 
 #include <math.h>
 #include <nlopt.h>
@@ -141,17 +142,11 @@ static void diagonalise(int32_t n, double a[SS_SOLVE_MAX][SS_SOLVE_MAX], double 
                 const double theta = 0.5 * atan2(2.0 * a[p][q], a[q][q] - a[p][p]);
                 const double c = cos(theta), t = sin(theta);
                 for (int32_t k = 0; k < n; ++k) {
-                    const double ap = a[k][p], aq = a[k][q];
-                    a[k][p] = c * ap - t * aq;
-                    a[k][q] = t * ap + c * aq;
+                    ss_rotate_pair(&a[k][p], &a[k][q], c, t);
                 }
                 for (int32_t k = 0; k < n; ++k) {
-                    const double ap = a[p][k], aq = a[q][k];
-                    a[p][k] = c * ap - t * aq;
-                    a[q][k] = t * ap + c * aq;
-                    const double vp = out_vector[p][k], vq = out_vector[q][k];
-                    out_vector[p][k] = c * vp - t * vq;
-                    out_vector[q][k] = t * vp + c * vq;
+                    ss_rotate_pair(&a[p][k], &a[q][k], c, t);
+                    ss_rotate_pair(&out_vector[p][k], &out_vector[q][k], c, t);
                 }
             }
         }

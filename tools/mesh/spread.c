@@ -441,18 +441,9 @@ static bool number_nodes(const net *t, spread *s)
     place_on_curve *order = ss_memory_get((size_t)t->node_count, sizeof *order);
     int32_t *new_number = ss_memory_get((size_t)t->node_count, sizeof *new_number);
     if (order != NULL && new_number != NULL) {
-        double low[3] = {t->x[0][0], t->x[0][1], t->x[0][2]};
-        double size = 0.0;
-        for (int32_t i = 0; i < t->node_count; ++i) {
-            for (int k = 0; k < 3; ++k) {
-                low[k] = fmin(low[k], t->x[i][k]);
-            }
-        }
-        for (int32_t i = 0; i < t->node_count; ++i) {
-            for (int k = 0; k < 3; ++k) {
-                size = fmax(size, t->x[i][k] - low[k]);
-            }
-        }
+        double low[3], high[3];
+        ss_bounds3(t->node_count, (const double(*)[3])t->x, low, high);
+        const double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
         for (int32_t i = 0; i < t->node_count; ++i) {
             order[i] = (place_on_curve){ss_mesh_curve_place(t->x[i], low, size), i};
         }

@@ -96,12 +96,8 @@ static softsim_status build_blocks(ss_chain_coarse *coarse, const ss_mesh *mesh,
                   SS_ROOM((size_t)hats->block_count + 1, hats->first),
                   SS_ROOM((size_t)n, coarse->slot));
     const bool is_good = order && ss_arena_status(arena) == SOFTSIM_OK;
-    double low[3] = {0.0, 0.0, 0.0};
-    for (int32_t i = 0; is_good && i < n; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            low[k] = i == 0 ? mesh->position[i][k] : fmin(low[k], mesh->position[i][k]);
-        }
-    }
+    double low[3], high[3];
+    ss_bounds3(n, (const double(*)[3])mesh->position, low, high);
     for (int32_t i = 0; is_good && i < n; ++i) {
         order[i] = (key){ss_mesh_curve_place(mesh->position[i], low, diagonal), i};
     }

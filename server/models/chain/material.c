@@ -227,16 +227,8 @@ softsim_status ss_chain_material_time(ss_model *model)
 /* S: twice the largest distance from the middle, which no rotation changes. */
 static double size_of(const ss_mesh *mesh)
 {
-    double middle[3] = {0.0, 0.0, 0.0}, most = 0.0;
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        ss_madd3(middle, middle, 1.0 / mesh->node_count, mesh->position[i]);
-    }
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        double r[3];
-        ss_sub3(r, mesh->position[i], middle);
-        most = fmax(most, ss_norm3(r));
-    }
-    return 2.0 * most;
+    double middle[3];
+    return 2.0 * ss_mesh_radius(mesh, middle);
 }
 
 /* ---- all of it ---- */

@@ -139,17 +139,12 @@ static void set_extremes(ss_model *model)
 static void set_geometry(ss_model *model)
 {
     const ss_mesh *mesh = model->plan.mesh;
-    double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0}, extent[3], size = 0.0;
+    double size = 0.0;
     for (int32_t i = 0; i < model->node_count; ++i) {
         model->fit_weight += model->material.rest_stiffness[i];
         size += model->network->size[i];
-        for (int k = 0; k < 3; ++k) {
-            low[k] = i == 0 ? mesh->position[i][k] : fmin(low[k], mesh->position[i][k]);
-            high[k] = i == 0 ? mesh->position[i][k] : fmax(high[k], mesh->position[i][k]);
-        }
     }
-    ss_sub3(extent, high, low);
-    model->diagonal = ss_norm3(extent);
+    model->diagonal = ss_mesh_diagonal(mesh);
     model->small_energy = 1e-3 * model->network->mean_edge *
                           (model->plan.working_force > 0.0 ? model->plan.working_force : 1.0);
     for (int32_t i = 0; i < model->node_count; ++i) {

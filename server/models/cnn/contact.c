@@ -207,17 +207,9 @@ static bool push_cell(ss_model *model, int32_t cell)
 {
     const ss_mesh *mesh = model->plan.mesh;
     const ss_cnn_edges *edges = &model->network->edges;
-    double normal[3] = {0.0, 0.0, 0.0};
+    double normal[3];
     int32_t degree = 0;
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        const int32_t *c = mesh->triangle[t];
-        if (c[0] == cell || c[1] == cell || c[2] == cell) {
-            double n[3];
-            ss_normal3(n, mesh->position[c[0]], mesh->position[c[1]], mesh->position[c[2]]);
-            ss_add3(normal, normal, n);
-        }
-    }
-    if (!(ss_normalize3(normal) > 0.0)) {
+    if (ss_mesh_node_normal(mesh, cell, normal) == 0) {
         return false;
     }
     for (int32_t e = 0; e < edges->count; ++e) {

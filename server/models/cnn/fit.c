@@ -32,17 +32,11 @@ static void largest_eigenvector(double a[4][4], double out[4])
                     (theta < 0.0 ? -1.0 : 1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
                 const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
                 for (int k = 0; k < 4; ++k) {
-                    const double x = a[k][p], y = a[k][r];
-                    a[k][p] = c * x - s * y;
-                    a[k][r] = s * x + c * y;
+                    ss_rotate_pair(&a[k][p], &a[k][r], c, s);
                 }
                 for (int k = 0; k < 4; ++k) {
-                    const double x = a[p][k], y = a[r][k];
-                    a[p][k] = c * x - s * y;
-                    a[r][k] = s * x + c * y;
-                    const double u = q[k][p], w = q[k][r];
-                    q[k][p] = c * u - s * w;
-                    q[k][r] = s * u + c * w;
+                    ss_rotate_pair(&a[p][k], &a[r][k], c, s);
+                    ss_rotate_pair(&q[k][p], &q[k][r], c, s);
                 }
             }
         }

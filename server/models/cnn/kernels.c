@@ -70,21 +70,16 @@ SS_INLINE void product_rows(const ss_cnn_rows *rows, const ss_cnn_span *span, co
     for (int32_t g = span->group; g < span->group_end; ++g) {
         const ss_cnn_group *group = &rows->group[g];
         switch (group->degree) { /* constant degrees unroll */
-        case 4:
-            product_group(rows, group, 4, kap, b, u, r, ub, ur);
-            break;
-        case 5:
-            product_group(rows, group, 5, kap, b, u, r, ub, ur);
-            break;
-        case 6:
-            product_group(rows, group, 6, kap, b, u, r, ub, ur);
-            break;
-        case 7:
-            product_group(rows, group, 7, kap, b, u, r, ub, ur);
-            break;
-        case 8:
-            product_group(rows, group, 8, kap, b, u, r, ub, ur);
-            break;
+#define CASE(degree)                                                                               \
+    case degree:                                                                                   \
+        product_group(rows, group, degree, kap, b, u, r, ub, ur);                                  \
+        break
+            CASE(4);
+            CASE(5);
+            CASE(6);
+            CASE(7);
+            CASE(8);
+#undef CASE
         default:
             product_group(rows, group, group->degree, kap, b, u, r, ub, ur);
             break;

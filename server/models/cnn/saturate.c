@@ -39,6 +39,7 @@
 #include <string.h>
 
 #include "rt/memory.h"
+#include "rt/vec.h"
 
 enum { MAX_SOURCES = SS_CNN_MAX_SATURATED };
 /* Of the problem's size: how far a condition may be violated, and pivots that count as zero. */
@@ -69,18 +70,7 @@ static void solve_active(int32_t n, const double *matrix, int32_t count, const i
             factor[i][j] = i == j ? sqrt(sum) : sum / factor[j][j];
         }
     }
-    for (int32_t i = 0; i < count; ++i) {
-        for (int32_t k = 0; k < i; ++k) {
-            x[i] -= factor[i][k] * x[k];
-        }
-        x[i] /= factor[i][i];
-    }
-    for (int32_t i = count - 1; i >= 0; --i) {
-        for (int32_t k = i + 1; k < count; ++k) {
-            x[i] -= factor[k][i] * x[k];
-        }
-        x[i] /= factor[i][i];
-    }
+    ss_solve_cholesky(count, factor[0], SS_CNN_LCP_MAX, x);
 }
 
 static double residual_at(int32_t n, const double *matrix, const double *q, const double *z,

@@ -171,15 +171,9 @@ static void set_nodes(ss_body *body)
 {
     const ss_mesh *mesh = body->plan.mesh;
     ss_body_nodes *nodes = &body->nodes;
-    double low[3] = {0.0}, high[3] = {0.0}, extent[3];
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            low[k] = i == 0 ? mesh->position[i][k] : fmin(low[k], mesh->position[i][k]);
-            high[k] = i == 0 ? mesh->position[i][k] : fmax(high[k], mesh->position[i][k]);
-        }
-    }
-    ss_sub3(extent, high, low);
-    body->diagonal = ss_norm3(extent);
+    double low[3], high[3];
+    ss_bounds3(mesh->node_count, (const double(*)[3])mesh->position, low, high);
+    body->diagonal = ss_mesh_diagonal(mesh);
     ss_add3(nodes->origin, low, high);
     ss_scale3(nodes->origin, nodes->origin, 0.5);
     for (int32_t i = 0; i < nodes->count; ++i) {

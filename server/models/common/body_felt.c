@@ -353,18 +353,8 @@ static int32_t usual_node(const ss_body *body, double *area)
 static void push_node(ss_body *body, int32_t node)
 {
     const ss_mesh *mesh = body->skin;
-    double normal[3] = {0.0, 0.0, 0.0};
-    int32_t triangles = 0;
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        const int32_t *c = mesh->triangle[t];
-        if (c[0] == node || c[1] == node || c[2] == node) {
-            double n[3];
-            ss_normal3(n, mesh->position[c[0]], mesh->position[c[1]], mesh->position[c[2]]);
-            ss_add3(normal, normal, n);
-            ++triangles;
-        }
-    }
-    (void)ss_normalize3(normal);
+    double normal[3];
+    const int32_t triangles = ss_mesh_node_normal(mesh, node, normal);
     memset(body->solver.push, 0, ss_body_bytes(body));
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *c = mesh->triangle[t];

@@ -19,11 +19,12 @@ enum { DEAL = 32 };
 /* One element into lane `lane` of block `b`. */
 static void fill(const ss_fem_stuff *stuff, ss_fem_blocks *blocks, int32_t e, ptrdiff_t b, int lane)
 {
-    const int32_t *corner = stuff->corner[e];
+    const ss_mesh *mesh = stuff->mesh;
+    const int32_t *corner = mesh->tetrahedron[e];
     double gradient[4][3];
     double volume =
-        ss_tetrahedron_gradients(stuff->position[corner[0]], stuff->position[corner[1]],
-                                 stuff->position[corner[2]], stuff->position[corner[3]], gradient);
+        ss_tetrahedron_gradients(mesh->position[corner[0]], mesh->position[corner[1]],
+                                 mesh->position[corner[2]], mesh->position[corner[3]], gradient);
     volume *= stuff->volume_share ? stuff->volume_share[e] : 1.0;
     ss_real *shape = blocks->shape + b * SS_FEM_SHAPES * SS_FEM_LANES + lane;
     ss_real *modulus = blocks->modulus + b * SS_FEM_MODULI * SS_FEM_LANES + lane;
@@ -33,17 +34,10 @@ static void fill(const ss_fem_stuff *stuff, ss_fem_blocks *blocks, int32_t e, pt
     for (int k = 0; k < SS_FEM_SHAPES; ++k) {
         shape[SS_FEM_LANES * k] = (ss_real)gradient[1 + k / 3][k % 3];
     }
-    modulus[0] = (ss_real)(volume * stuff->lambda_own[e]);
-    modulus[SS_FEM_LANES] = (ss_real)(volume * stuff->mu[e]);
-    blocks->kappa[b * SS_FEM_LANES + lane] =
-        (ss_real)(volume * (stuff->lambda[e] + 2.0 * stuff->mu[e]));
-    if (blocks->viscosity) {
-        ss_real *viscosity = blocks->viscosity + b * 2 * SS_FEM_LANES + lane;
-        viscosity[0] = (ss_real)(volume * stuff->phi[e]);
-        viscosity[SS_FEM_LANES] = (ss_real)(volume * stuff->psi[e]);
-    }
+    ss_fem_put_moduli(&stuff->moduli, e, volume, modulus, blocks->kappa + b * SS_FEM_LANES + lane,
+                      blocks->viscosity ? blocks->viscosity + b * 2 * SS_FEM_LANES + lane : NULL);
     blocks->volume[b * SS_FEM_LANES + lane] =
-        stuff->lambda[e] > stuff->lambda_own[e] ? (ss_real)volume : 0;
+        stuff->moduli.lambda[e] > stuff->moduli.lambda_own[e] ? (ss_real)volume : 0;
     blocks->element[b * SS_FEM_LANES + lane] = e;
 }
 
@@ -72,8 +66,8 @@ bool ss_fem_blocks_reserve(int32_t element_count, int32_t node_count, bool is_vi
 
 bool ss_fem_blocks_create(const ss_fem_stuff *stuff, ss_arena *arena, ss_fem_blocks *out_blocks)
 {
-    const int32_t elements = stuff->element_count;
-    if (!ss_fem_blocks_reserve(elements, stuff->node_count, stuff->phi != NULL, arena,
+    const int32_t elements = stuff->mesh->tetrahedron_count;
+    if (!ss_fem_blocks_reserve(elements, stuff->node_count, stuff->moduli.phi != NULL, arena,
                                out_blocks)) {
         return false;
     }

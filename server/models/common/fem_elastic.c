@@ -27,14 +27,8 @@ softsim_status ss_fem_create(const ss_fem_setup *setup, ss_fem **out_fem)
     const ss_fem_material *material = setup->material;
     const int32_t padded = (setup->node_count + 7) / 8 * 8;
     const ss_fem_stuff stuff = {.node_count = setup->node_count,
-                                .element_count = setup->mesh->tetrahedron_count,
-                                .position = (const double(*)[3])setup->mesh->position,
-                                .corner = (const int32_t(*)[4])setup->mesh->tetrahedron,
-                                .lambda_own = material->lambda_own,
-                                .lambda = material->lambda,
-                                .mu = material->mu,
-                                .phi = material->phi,
-                                .psi = material->psi,
+                                .mesh = setup->mesh,
+                                .moduli = ss_fem_moduli_of(material),
                                 .volume_share = setup->volume_share};
     ss_fem *fem = ss_memory_get(1, sizeof *fem);
     ss_real *rest = ss_memory_get((size_t)padded * 4, sizeof *rest);

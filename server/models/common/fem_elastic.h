@@ -98,6 +98,12 @@ typedef struct ss_fem_material {
     ss_body_integrator integrator;
 } ss_fem_material;
 
+static inline ss_fem_moduli ss_fem_moduli_of(const ss_fem_material *material)
+{
+    return (ss_fem_moduli){material->lambda_own, material->lambda, material->mu, material->phi,
+                           material->psi};
+}
+
 /* `name` begins every fault. SOFTSIM_ERROR_SCENE when there are any. */
 softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *name, ss_arena *arena,
                                       ss_fem_material *out_material, softsim_error *error);
@@ -184,6 +190,9 @@ double ss_fem_rest_step(const ss_fem *fem);
 double ss_fem_step_limit(const ss_fem *fem, double rate2);
 /* Says so to the body where elements are squeezed or turned inside out; after stable_step. */
 void ss_fem_judge(const ss_fem *fem, ss_body *body);
+/* The same for any body of such elements; `squeezed_text` where those of neo-hookean are. */
+void ss_fem_judge_elements(ss_body *body, ss_tissue_kind kind, int32_t inverted, int32_t squeezed,
+                           int32_t worst, const char *squeezed_text);
 /* What a force sweep streams and computes for an element of stvk or stvk-guarded, without a cure:
  * bytes, and flops (a fused multiply-add counts 2). */
 void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double *out_flops);

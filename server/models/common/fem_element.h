@@ -573,10 +573,18 @@ SS_INLINE ss_wide resisted_change(ss_tissue_kind kind, const tensor *h, const te
     return t + product(h, x);
 }
 
-/* A kernel for each law. */
-#define EACH_LAW(CASE)                                                                             \
-    CASE(SS_TISSUE_STVK_GUARDED);                                                                  \
-    CASE(SS_TISSUE_STVK);                                                                          \
-    CASE(SS_TISSUE_NEO_HOOKEAN);                                                                   \
-    CASE(SS_TISSUE_STABLE_NEO_HOOKEAN);                                                            \
-    CASE(SS_TISSUE_LINEAR);
+/* of(kind, ...) with the law known to the compiler: a kernel for each. */
+#define BY_LAW(kind, of, ...)                                                                      \
+    switch (kind) {                                                                                \
+        LAW_CASE(SS_TISSUE_STVK_GUARDED, of, __VA_ARGS__)                                          \
+        LAW_CASE(SS_TISSUE_STVK, of, __VA_ARGS__)                                                  \
+        LAW_CASE(SS_TISSUE_NEO_HOOKEAN, of, __VA_ARGS__)                                           \
+        LAW_CASE(SS_TISSUE_STABLE_NEO_HOOKEAN, of, __VA_ARGS__)                                    \
+        LAW_CASE(SS_TISSUE_LINEAR, of, __VA_ARGS__)                                                \
+    case SS_TISSUE_KIND_COUNT:                                                                     \
+        break;                                                                                     \
+    }
+#define LAW_CASE(law, of, ...)                                                                     \
+    case law:                                                                                      \
+        of(law, __VA_ARGS__);                                                                      \
+        break;

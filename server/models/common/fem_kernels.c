@@ -106,19 +106,10 @@ SS_INLINE void force_of(ss_tissue_kind kind, bool is_viscous, ss_fem_pass *pass)
 static void force(ss_fem_pass *pass)
 {
     const bool is_viscous = pass->v && pass->blocks->viscosity;
-    switch (pass->kind) {
-#define CASE(kind)                                                                                 \
-    case kind:                                                                                     \
-        if (is_viscous) {                                                                          \
-            force_of(kind, true, pass);                                                            \
-        } else {                                                                                   \
-            force_of(kind, false, pass);                                                           \
-        }                                                                                          \
-        break
-        EACH_LAW(CASE)
-#undef CASE
-    case SS_TISSUE_KIND_COUNT:
-        break;
+    if (is_viscous) {
+        BY_LAW(pass->kind, force_of, true, pass)
+    } else {
+        BY_LAW(pass->kind, force_of, false, pass)
     }
 }
 
@@ -139,19 +130,7 @@ SS_INLINE void tangent_of(ss_tissue_kind kind, ss_fem_pass *pass)
     }
 }
 
-static void tangent(ss_fem_pass *pass)
-{
-    switch (pass->kind) {
-#define CASE(kind)                                                                                 \
-    case kind:                                                                                     \
-        tangent_of(kind, pass);                                                                    \
-        break
-        EACH_LAW(CASE)
-#undef CASE
-    case SS_TISSUE_KIND_COUNT:
-        break;
-    }
-}
+static void tangent(ss_fem_pass *pass){BY_LAW(pass->kind, tangent_of, pass)}
 
 /* ---- dilatation ---- */
 
@@ -181,16 +160,7 @@ SS_INLINE void dilate_of(ss_tissue_kind kind, ss_fem_pass *pass)
 
 static void dilate(ss_fem_pass *pass)
 {
-    switch (pass->kind) {
-#define CASE(kind)                                                                                 \
-    case kind:                                                                                     \
-        dilate_of(kind, pass);                                                                     \
-        break
-        EACH_LAW(CASE)
-#undef CASE
-    case SS_TISSUE_KIND_COUNT:
-        break;
-    }
+    BY_LAW(pass->kind, dilate_of, pass)
 }
 
 /* ---- growth ---- */

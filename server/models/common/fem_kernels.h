@@ -15,6 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "mesh/mesh.h"
 #include "models/tissue_law.h"
 #include "rt/arena.h"
 #include "rt/real.h"
@@ -39,14 +40,31 @@ typedef struct ss_fem_blocks {
     int32_t *element;   /* [count][8]: number in the mesh; -1 in spare lanes */
 } ss_fem_blocks;
 
-/* What the blocks are made of: one entry an element. */
+/* One entry an element. */
+typedef struct ss_fem_moduli {
+    const double *lambda_own;  /* Pa: the share of lambda that is not averaged at nodes */
+    const double *lambda, *mu; /* Pa */
+    const double *phi, *psi;   /* Pa s; NULL: no viscosity */
+} ss_fem_moduli;
+
+/* Those of element e times its volume, each into a lane; `viscosity` may be NULL. */
+static inline void ss_fem_put_moduli(const ss_fem_moduli *of, int32_t e, double volume,
+                                     ss_real *modulus, ss_real *kappa, ss_real *viscosity)
+{
+    modulus[0] = (ss_real)(volume * of->lambda_own[e]);
+    modulus[SS_FEM_LANES] = (ss_real)(volume * of->mu[e]);
+    *kappa = (ss_real)(volume * (of->lambda[e] + 2.0 * of->mu[e]));
+    if (viscosity) {
+        viscosity[0] = (ss_real)(volume * of->phi[e]);
+        viscosity[SS_FEM_LANES] = (ss_real)(volume * of->psi[e]);
+    }
+}
+
+/* What the blocks are made of. */
 typedef struct ss_fem_stuff {
-    int32_t node_count, element_count;
-    const double (*position)[3];
-    const int32_t (*corner)[4];
-    const double *lambda_own;   /* Pa: the share of lambda that is not averaged at nodes */
-    const double *lambda, *mu;  /* Pa */
-    const double *phi, *psi;    /* Pa s; NULL: no viscosity */
+    int32_t node_count;
+    const ss_mesh *mesh; /* its tetrahedra */
+    ss_fem_moduli moduli;
     const double *volume_share; /* of the rest volume that counts, 0..1; NULL: all of it */
 } ss_fem_stuff;
 

@@ -375,24 +375,30 @@ double ss_fem_stable_step(void *owner, const ss_body *body)
     return ss_fem_step_limit(fem, rate2);
 }
 
+void ss_fem_judge_elements(ss_body *body, ss_tissue_kind kind, int32_t inverted, int32_t squeezed,
+                           int32_t worst, const char *squeezed_text)
+{
+    if (inverted > 0) {
+        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0,
+                      kind == SS_TISSUE_STVK
+                          ? "elements are turned inside out, and stvk may keep them so: "
+                            "stvk-guarded turns them back"
+                          : "elements are turned inside out");
+    } else if (squeezed > 0 && kind == SS_TISSUE_STVK_GUARDED) {
+        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
+                      "elements are squeezed below 0.65 of their volume: the guard pushes back");
+    } else if (squeezed > 0 && kind == SS_TISSUE_NEO_HOOKEAN) {
+        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0, squeezed_text);
+    }
+    ss_body_set_worst_element(body, worst);
+}
+
 void ss_fem_judge(const ss_fem *fem, ss_body *body)
 {
     const ss_fem_stability *s = &fem->stability;
-    if (s->inverted > 0) {
-        const bool is_stuck = fem->kind == SS_TISSUE_STVK;
-        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0,
-                      is_stuck ? "elements are turned inside out, and stvk may keep them so: "
-                                 "stvk-guarded turns them back"
-                               : "elements are turned inside out");
-    } else if (s->squeezed > 0 && fem->kind == SS_TISSUE_STVK_GUARDED) {
-        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
-                      "elements are squeezed below 0.65 of their volume: the guard pushes back");
-    } else if (s->squeezed > 0 && fem->kind == SS_TISSUE_NEO_HOOKEAN) {
-        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
-                      "elements are squeezed below 0.2 of their volume: the law goes on as a "
-                      "parabola");
-    }
-    ss_body_set_worst_element(body, s->worst);
+    ss_fem_judge_elements(body, fem->kind, s->inverted, s->squeezed, s->worst,
+                          "elements are squeezed below 0.2 of their volume: the law goes on as a "
+                          "parabola");
 }
 
 void ss_fem_reset(void *owner)

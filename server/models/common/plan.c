@@ -307,15 +307,8 @@ static bool is_full_rank(double matrix[6][6])
 static bool is_held(const ss_model_plan *plan, const double *size_of)
 {
     const ss_mesh *mesh = plan->mesh;
-    double centre[3] = {0.0}, size = 0.0, matrix[6][6] = {{0.0}};
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        ss_madd3(centre, centre, 1.0 / mesh->node_count, mesh->position[i]);
-    }
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        double r[3];
-        ss_sub3(r, mesh->position[i], centre);
-        size = fmax(size, ss_norm3(r));
-    }
+    double centre[3], matrix[6][6] = {{0.0}};
+    const double size = ss_mesh_radius(mesh, centre);
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         double r[3];
         ss_sub3(r, mesh->position[i], centre);

@@ -87,15 +87,10 @@ static bool fill_blocks(ss_model *model)
 {
     const ss_mesh *mesh = model->plan.mesh;
     const ss_corot_material *material = &model->material;
-    const ss_fem_stuff stuff = {.node_count = mesh->node_count,
-                                .element_count = mesh->tetrahedron_count,
-                                .position = (const double(*)[3])mesh->position,
-                                .corner = (const int32_t(*)[4])mesh->tetrahedron,
-                                .lambda_own = material->lambda,
-                                .lambda = material->lambda,
-                                .mu = material->mu,
-                                .phi = material->phi,
-                                .psi = material->psi};
+    const ss_fem_stuff stuff = {
+        .node_count = mesh->node_count,
+        .mesh = mesh,
+        .moduli = {material->lambda, material->lambda, material->mu, material->phi, material->psi}};
     return ss_fem_blocks_create(&stuff, &model->arena, &model->blocks);
 }
 

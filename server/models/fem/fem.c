@@ -15,6 +15,7 @@
  */
 #include <math.h>
 
+#include "models/common/plan.h"
 #include "rt/memory.h"
 
 struct ss_model {
@@ -49,11 +50,8 @@ static double step_cost_us(const ss_model_plan *plan)
             fmax(1.0, 1e-3 * ss_fem_sound_rate(plan->mesh, &material) / SS_FEM_STEP_SHARE);
         cost += substeps * sweeps * element * plan->mesh->tetrahedron_count;
     }
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        cost += plan->tool[k].is_used ? COST_TOOL : 0.0;
-    }
     ss_arena_free(&arena);
-    return cost;
+    return cost + COST_TOOL * ss_plan_tool_count(plan);
 }
 
 /* ---- life ---- */

@@ -118,18 +118,12 @@ static void fill(const source *from, int32_t e, ptrdiff_t b, int lane)
         }
     }
     ss_real *modulus = blocks->modulus + b * SS_QUADRATIC_MODULI * SS_FEM_LANES + lane;
-    modulus[0] = (ss_real)(volume * material->lambda_own[e]);
-    modulus[SS_FEM_LANES] = (ss_real)(volume * material->mu[e]);
     modulus[2 * SS_FEM_LANES] = (ss_real)(volume * (material->lambda[e] - material->lambda_own[e]));
-    blocks->kappa[b * SS_FEM_LANES + lane] =
-        (ss_real)(volume * (material->lambda[e] + 2.0 * material->mu[e]));
     const double inertia = from->masses->element[e] * from->masses->bound;
     blocks->light[b * SS_FEM_LANES + lane] = inertia > 0.0 ? (ss_real)(1.0 / inertia) : 0;
-    if (blocks->viscosity) {
-        ss_real *viscosity = blocks->viscosity + b * 2 * SS_FEM_LANES + lane;
-        viscosity[0] = (ss_real)(volume * material->phi[e]);
-        viscosity[SS_FEM_LANES] = (ss_real)(volume * material->psi[e]);
-    }
+    const ss_fem_moduli moduli = ss_fem_moduli_of(material);
+    ss_fem_put_moduli(&moduli, e, volume, modulus, blocks->kappa + b * SS_FEM_LANES + lane,
+                      blocks->viscosity ? blocks->viscosity + b * 2 * SS_FEM_LANES + lane : NULL);
     blocks->element[b * SS_FEM_LANES + lane] = e;
 }
 

@@ -90,11 +90,8 @@ static double step_cost_us(const ss_model_plan *plan)
                                               (STEP_OF_HEIGHT * SS_QUADRATIC_STEP_SHARE));
         cost += substeps * sweeps * element * plan->mesh->tetrahedron_count;
     }
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        cost += plan->tool[k].is_used ? COST_TOOL : 0.0;
-    }
     ss_arena_free(&arena);
-    return cost;
+    return cost + COST_TOOL * ss_plan_tool_count(plan);
 }
 
 /* ---- life ---- */

@@ -413,16 +413,7 @@ SS_INLINE void tangent_of(ss_tissue_kind kind, const ss_quadratic_pass *pass)
 
 static void tangent(ss_quadratic_pass *pass)
 {
-    switch (pass->kind) {
-#define CASE(kind)                                                                                 \
-    case kind:                                                                                     \
-        tangent_of(kind, pass);                                                                    \
-        break
-        EACH_LAW(CASE)
-#undef CASE
-    case SS_TISSUE_KIND_COUNT:
-        break;
-    }
+    BY_LAW(pass->kind, tangent_of, pass)
 }
 
 /* ---- the rates of elements ---- */
@@ -493,16 +484,7 @@ SS_INLINE void rate_of(ss_tissue_kind kind, const ss_quadratic_pass *pass)
 
 static void rate(const ss_quadratic_pass *pass)
 {
-    switch (pass->kind) {
-#define CASE(kind)                                                                                 \
-    case kind:                                                                                     \
-        rate_of(kind, pass);                                                                       \
-        break
-        EACH_LAW(CASE)
-#undef CASE
-    case SS_TISSUE_KIND_COUNT:
-        break;
-    }
+    BY_LAW(pass->kind, rate_of, pass)
 }
 
 /* ---- volume ---- */

@@ -342,21 +342,9 @@ double ss_quadratic_stable_step(void *owner, const ss_body *body)
 void ss_quadratic_judge(const ss_quadratic *own, ss_body *body)
 {
     const ss_quadratic_stability *s = &own->stability;
-    if (s->inverted > 0) {
-        ss_body_judge(body, SOFTSIM_VERDICT_DEGRADED, 0,
-                      own->kind == SS_TISSUE_STVK
-                          ? "elements are turned inside out, and stvk may keep them so: "
-                            "stvk-guarded turns them back"
-                          : "elements are turned inside out");
-    } else if (s->squeezed > 0 && own->kind == SS_TISSUE_STVK_GUARDED) {
-        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
-                      "elements are squeezed below 0.65 of their volume: the guard pushes back");
-    } else if (s->squeezed > 0 && own->kind == SS_TISSUE_NEO_HOOKEAN) {
-        ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
-                      "elements are squeezed below 0.3 of their volume: the law goes on as a "
-                      "straight line");
-    }
-    ss_body_set_worst_element(body, s->worst);
+    ss_fem_judge_elements(body, own->kind, s->inverted, s->squeezed, s->worst,
+                          "elements are squeezed below 0.3 of their volume: the law goes on as a "
+                          "straight line");
 }
 
 void ss_quadratic_reset(void *owner)

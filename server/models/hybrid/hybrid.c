@@ -173,14 +173,8 @@ static bool create_core(ss_hybrid *hybrid)
     const ss_mesh *mesh = hybrid->mesh;
     const size_t elements = (size_t)mesh->tetrahedron_count;
     const ss_fem_stuff stuff = {.node_count = mesh->node_count,
-                                .element_count = mesh->tetrahedron_count,
-                                .position = (const double(*)[3])mesh->position,
-                                .corner = (const int32_t(*)[4])mesh->tetrahedron,
-                                .lambda_own = hybrid->material.lambda_own,
-                                .lambda = hybrid->material.lambda,
-                                .mu = hybrid->material.mu,
-                                .phi = hybrid->material.phi,
-                                .psi = hybrid->material.psi};
+                                .mesh = mesh,
+                                .moduli = ss_fem_moduli_of(&hybrid->material)};
     hybrid->volume = ss_arena_get(&hybrid->arena, elements, sizeof *hybrid->volume);
     hybrid->lane = ss_arena_get(&hybrid->arena, elements, sizeof *hybrid->lane);
     if (!ss_fem_blocks_create(&stuff, &hybrid->arena, &hybrid->core)) {

@@ -61,22 +61,6 @@ static bool factor(int n, double a[4][4], double least)
     return true;
 }
 
-static void solve(int n, const double a[4][4], double x[4])
-{
-    for (int i = 0; i < n; ++i) {
-        for (int k = 0; k < i; ++k) {
-            x[i] -= a[i][k] * x[k];
-        }
-        x[i] /= a[i][i];
-    }
-    for (int i = n - 1; i >= 0; --i) {
-        for (int k = i + 1; k < n; ++k) {
-            x[i] -= a[k][i] * x[k];
-        }
-        x[i] /= a[i][i];
-    }
-}
-
 bool ss_layer_fit_row(const double at[3], int32_t count, const double (*x)[3], const double *square,
                       double limit, double *out_weight)
 {
@@ -101,7 +85,7 @@ bool ss_layer_fit_row(const double at[3], int32_t count, const double (*x)[3], c
     if (!factor(4, m, 1e-3)) {
         return false;
     }
-    solve(4, (const double(*)[4])m, c);
+    ss_solve_cholesky(4, m[0], 4, c);
     double reach = 0.0;
     for (int32_t i = 0; i < count; ++i) {
         const double w = pow(1.0 - square[i] / h2, 3.0);
@@ -291,7 +275,7 @@ static bool fill_moment(const ss_layer *layer, int32_t p, int32_t count, const i
     static const int place[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     for (int j = 0; j < 3; ++j) {
         double column[4] = {j == 0, j == 1, j == 2, 0};
-        solve(3, (const double(*)[4])a, column);
+        ss_solve_cholesky(3, a[0], 4, column);
         for (int i = 0; i < 3; ++i) {
             moment[place[i][j]] = (ss_real)column[i];
         }

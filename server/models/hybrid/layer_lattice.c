@@ -256,16 +256,10 @@ softsim_status ss_layer_list_sites(const ss_layer_plan *plan, ss_layer_sites *ou
                                    softsim_error *error)
 {
     lattice l = {.plan = plan, .mesh = plan->mesh, .spacing = plan->spacing};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double high[3];
     double places = 1.0;
     *out_sites = (ss_layer_sites){0};
-    ss_set3(l.low, INFINITY, INFINITY, INFINITY);
-    for (int32_t i = 0; i < plan->mesh->node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            l.low[k] = fmin(l.low[k], plan->mesh->position[i][k]);
-            high[k] = fmax(high[k], plan->mesh->position[i][k]);
-        }
-    }
+    ss_bounds3(plan->mesh->node_count, (const double(*)[3])plan->mesh->position, l.low, high);
     for (int k = 0; k < 3; ++k) {
         const double cells = ceil((high[k] - l.low[k]) / plan->spacing - 1e-6);
         places *= fmax(cells, 1.0);

@@ -34,6 +34,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "models/common/plan.h"
 #include "rt/memory.h"
 #include "rt/note.h"
 
@@ -242,11 +243,8 @@ static double step_cost_us(const ss_model_plan *plan)
 {
     const double substeps =
         fmin(ceil(COST_TIME / plan->param[ROW_SUBSTEP].number - 1e-9), (double)plan->max_substeps);
-    double cost = COST_STEP + COST_ELEMENT * substeps * plan->mesh->tetrahedron_count;
-    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        cost += plan->tool[k].is_used ? COST_TOOL : 0.0;
-    }
-    return cost;
+    return COST_STEP + COST_ELEMENT * substeps * plan->mesh->tetrahedron_count +
+           COST_TOOL * ss_plan_tool_count(plan);
 }
 
 static void info(const ss_model *model, ss_model_info *out)

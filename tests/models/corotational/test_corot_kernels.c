@@ -37,14 +37,10 @@ static double best_trace(const double f[3][3])
                 const double angle = 0.5 * atan2(2.0 * n[p][q], n[q][q] - n[p][p]);
                 const double c = cos(angle), d = sin(angle);
                 for (int k = 0; k < 4; ++k) {
-                    const double a = n[k][p], b = n[k][q];
-                    n[k][p] = c * a - d * b;
-                    n[k][q] = d * a + c * b;
+                    ss_rotate_pair(&n[k][p], &n[k][q], c, d);
                 }
                 for (int k = 0; k < 4; ++k) {
-                    const double a = n[p][k], b = n[q][k];
-                    n[p][k] = c * a - d * b;
-                    n[q][k] = d * a + c * b;
+                    ss_rotate_pair(&n[p][k], &n[q][k], c, d);
                 }
             }
         }
@@ -73,13 +69,10 @@ static void octet_init(octet *o, double lambda, double mu)
         lambdas[t] = lambda;
         mus[t] = mu;
     }
-    const ss_fem_stuff stuff = {.node_count = 32,
-                                .element_count = 8,
-                                .position = (const vector *)position,
-                                .corner = (const int32_t(*)[4])corner,
-                                .lambda_own = lambdas,
-                                .lambda = lambdas,
-                                .mu = mus};
+    const ss_mesh mesh = {
+        .node_count = 32, .tetrahedron_count = 8, .position = position, .tetrahedron = corner};
+    const ss_fem_stuff stuff = {
+        .node_count = 32, .mesh = &mesh, .moduli = {lambdas, lambdas, mus, NULL, NULL}};
     assert_true(ss_fem_blocks_create(&stuff, &o->arena, &o->blocks));
     SS_ARENA_TAKE(&o->arena, SS_ROOM(128, o->u), SS_ROOM(72, o->turned), SS_ROOM(128, o->force));
 }

@@ -10,6 +10,7 @@
 #include "bench/core/child.h"
 #include "bench/core/static_cnn.h"
 #include "case/norms.h"
+#include "mesh/mesh.h"
 #include "output.h"
 #include "process.h"
 #include "rt/clock.h"
@@ -523,21 +524,6 @@ static softsim_status compare_load(const ss_body *body, const deed *what, ss_bod
     return status;
 }
 
-/* Of the rest; every edge of a closed body is the side of two triangles. */
-static double mean_edge(const ss_body *body)
-{
-    double sum = 0.0;
-    for (int32_t t = 0; t < body->triangle_count; ++t) {
-        for (int k = 0; k < 3; ++k) {
-            double way[3];
-            ss_sub3(way, body->rest[body->triangle[t][(k + 1) % 3]],
-                    body->rest[body->triangle[t][k]]);
-            sum += ss_norm3(way);
-        }
-    }
-    return sum / (3.0 * body->triangle_count);
-}
-
 /* Weights of the cells under the sphere, as server/contact/contact.h has them: four samples a
  * triangle, A/4 (1 - d/delta)+^2 each; they are touched, and so may be their neighbours, on which
  * the smooth surface under the sphere leans. */
@@ -583,7 +569,12 @@ static softsim_status compare_slide(const ss_body *body, const double sphere[3],
     twin t = {.rest = NULL};
     const softsim_status status = init_twin(&t, body, 1.0, run, error);
     if (status == SOFTSIM_OK) {
-        weigh_sphere(body, sphere, fmax(mean_edge(body), 0.5 * radius), &t);
+        weigh_sphere(
+            body, sphere,
+            fmax(ss_mesh_mean_side((const double(*)[3])body->rest,
+                                   (const int32_t(*)[3])body->triangle, body->triangle_count),
+                 0.5 * radius),
+            &t);
         compare(&t, body, pretension_j, run);
     }
     fini_twin(&t);
