@@ -8,7 +8,7 @@
  * 3 s beside it: the model's own static solution. And with the same rate without the local contact
  * model, forces held from the last result: what the law between steps is worth.
  *
- * What a row has to reach is a goal (`goals`); one that falls short says which it misses and what
+ * What a row has to reach is a goal (goals.h); one that falls short says which it misses and what
  * was measured of the cause: how far 1000 Hz is itself off, in which part of a contact the
  * difference is, how much of the force is the tissue's own motion, how deep the tool sinks in.
  *
@@ -24,9 +24,10 @@
 #include "bench/bench.h"
 #include "bench/core/report.h"
 #include "bench/core/sweep.h"
+#include "bench/felt/goals.h"
 #include "bench/felt/hands.h"
 #include "bench/felt/play.h"
-#include "bench/felt/scenes.h"
+#include "bench/felt/report.h"
 #include "bench/felt/slide.h"
 #include "process.h"
 #include "rt/args.h"
@@ -37,11 +38,9 @@
 #include "world/world.h"
 
 enum { MAX_RATES = 16, MAX_DELAYS = 8 };
-static const double reference_hz = 1000.0, finest_hz = 1e4;
-static const double run_timeout_s = 1800.0;
-/* Just noticeable, and still usable: shares of the mean force; J. */
-static const double good_p99 = 0.07, fair_p99 = 0.2, good_held = 0.02, good_static = 0.03,
-                    good_net_j = -1e-3, fair_net_j = -1e-2;
+static const double finest_hz = 1e4;
+/* Still usable, a share of the mean force; J. */
+static const double fair_p99 = 0.2, good_net_j = -1e-3, fair_net_j = -1e-2;
 /* A poke or tap is played so many times slower beside, its simulation at a rate so much lower: as
  * many steps on the way. */
 static const double slowness = 10.0;
@@ -51,12 +50,9 @@ static const char head[] =
 enum { HEAD_COLUMNS = 20, SHORT_OF_COLUMN = 18, CELL_SIZE = 256, ROW_SIZE = 2048 };
 
 typedef struct report {
-    const char *out;
-    ss_arg_list scene_list, set;
+    ss_felt_report base; /* first, as ss_felt_report_run has it */
     const char *rates, *delays;
     bool is_quick, is_hands, is_slide;
-    int64_t jobs;
-    ss_felt_scenes scenes;
     double rate_hz[MAX_RATES];
     int32_t rate_count;
     int32_t delay_ms[MAX_DELAYS];
@@ -66,100 +62,7 @@ typedef struct report {
 /* The rate that is run: a step is a whole number of haptic periods. */
 static double run_hz(double rate_hz)
 {
-    return reference_hz / round(reference_hz / rate_hz);
-}
-
-/* ---- goals ---- */
-
-/* What one row was measured to be. */
-typedef struct row {
-    double rate_hz;
-    int32_t delay_ms;
-    ss_felt_errors e;
-    double static_error, net_j;
-    double hold_p99;    /* of the same run without the local contact model */
-    double penetration; /* of a press, in the tool's radii at the working force */
-} row;
-
-typedef struct goal {
-    const char *name, *text;
-    bool has_path[SS_FELT_PATHS];
-    double from_hz;
-    bool any_delay;
-    bool (*is_missed)(const row *r);
-} goal;
-
-static bool misses_held(const row *r)
-{
-    return fabs(r->e.held) > good_held;
-}
-
-static bool misses_static(const row *r)
-{
-    return fabs(r->static_error) > good_static;
-}
-
-static bool misses_noticeable(const row *r)
-{
-    return r->e.p99 > good_p99;
-}
-
-static bool misses_poke(const row *r)
-{
-    return r->e.p99 > 0.1;
-}
-
-static bool misses_fast_poke(const row *r)
-{
-    return r->e.p95 > 0.1;
-}
-
-static bool misses_tap(const row *r)
-{
-    return fabs(r->e.impulse) > 0.05 || fabs(r->e.peak) > 0.1 || fabs(r->e.touch_ms) > 1.0;
-}
-
-static bool misses_hold(const row *r)
-{
-    return r->e.p99 > r->hold_p99 + 1e-3;
-}
-
-static bool misses_depth(const row *r)
-{
-    return r->penetration > 0.1;
-}
-
-#define PATHS(p, q, r, t, s)                                                                       \
-    {                                                                                              \
-        [SS_FELT_PRESS] = p, [SS_FELT_POKE_1] = q, [SS_FELT_POKE_3] = r, [SS_FELT_TAP] = t,        \
-        [SS_FELT_SLIDE] = s                                                                        \
-    }
-static const goal goals[] = {
-    {"held", "a press is held within 2 % of the force at 1000 Hz", PATHS(1, 0, 0, 0, 0), 0.0, false,
-     misses_held},
-    {"static", "and within 3 % of the static solution", PATHS(1, 0, 0, 0, 0), 0.0, false,
-     misses_static},
-    {"press", "p99 of a press up to 7 %, from 58 Hz on", PATHS(1, 0, 0, 0, 0), 58.0, false,
-     misses_noticeable},
-    {"slide", "p99 of a slide up to 7 %, from 58 Hz on", PATHS(0, 0, 0, 0, 1), 58.0, false,
-     misses_noticeable},
-    {"poke", "p99 of a poke of 0.1 m/s up to 10 %, from 58 Hz on", PATHS(0, 1, 0, 0, 0), 58.0,
-     false, misses_poke},
-    {"fast poke", "p95 of a poke of 0.3 m/s up to 10 %, from 300 Hz on", PATHS(0, 0, 1, 0, 0),
-     300.0, false, misses_fast_poke},
-    {"tap", "impulse of taps within 5 %, peak 10 %, each touch 1 ms, from 300 Hz on",
-     PATHS(0, 0, 0, 1, 0), 300.0, false, misses_tap},
-    {"hold", "nowhere further off than forces held from the last result", PATHS(1, 1, 1, 1, 1), 0.0,
-     true, misses_hold},
-    {"depth", "the tool less than 0.1 of its radius deep at the working force",
-     PATHS(1, 0, 0, 0, 0), 0.0, false, misses_depth},
-};
-enum { GOALS = sizeof goals / sizeof *goals };
-
-static bool has_goal(const goal *g, ss_felt_path path, double rate_hz, int32_t delay_ms)
-{
-    return g->has_path[path] && rate_hz >= g->from_hz && rate_hz < reference_hz &&
-           (g->any_delay || delay_ms == 0);
+    return SS_FELT_REFERENCE_HZ / round(SS_FELT_REFERENCE_HZ / rate_hz);
 }
 
 /* ---- one run ---- */
@@ -183,8 +86,8 @@ static ss_felt_run run_at(const job *j, double rate_hz, int32_t delay_ms)
 {
     return (ss_felt_run){.rate_hz = rate_hz,
                          .delay_ms = delay_ms,
-                         .set = j->r->set.value,
-                         .set_count = j->r->set.count};
+                         .set = j->r->base.set.value,
+                         .set_count = j->r->base.set.count};
 }
 
 static softsim_status play(const job *j, const ss_felt_run *run, ss_felt_trace *out,
@@ -198,18 +101,19 @@ static bool compare(const ss_felt_trace *trace, const ss_felt_trace *truth, doub
                     ss_felt_errors *out)
 {
     const ss_felt_question question = {
-        .limit = good_p99, .settle_ms = (int32_t)ceil(2.0 * reference_hz / run_hz(rate_hz))};
+        .limit = SS_FELT_GOOD_P99,
+        .settle_ms = (int32_t)ceil(2.0 * SS_FELT_REFERENCE_HZ / run_hz(rate_hz))};
     return ss_felt_compare(trace, truth, &question, out);
 }
 
 static const char *judge(const ss_felt_errors *e, double static_error, double net_j)
 {
-    const bool is_held = isnan(e->held) || fabs(e->held) <= good_held;
-    const bool is_static = isnan(static_error) || fabs(static_error) <= good_static;
-    return isnan(e->p99)                                                       ? "no touch"
-           : e->p99 <= good_p99 && is_held && is_static && net_j >= good_net_j ? "good"
-           : e->p99 <= fair_p99 && net_j >= fair_net_j                         ? "fair"
-                                                                               : "bad";
+    const bool is_held = isnan(e->held) || fabs(e->held) <= SS_FELT_GOOD_HELD;
+    const bool is_static = isnan(static_error) || fabs(static_error) <= SS_FELT_GOOD_STATIC;
+    return isnan(e->p99)                                                               ? "no touch"
+           : e->p99 <= SS_FELT_GOOD_P99 && is_held && is_static && net_j >= good_net_j ? "good"
+           : e->p99 <= fair_p99 && net_j >= fair_net_j                                 ? "fair"
+                                                                                       : "bad";
 }
 
 static void put_number(FILE *file, double value)
@@ -234,30 +138,30 @@ static void add_text(char *text, size_t size, const char *format, ...)
 }
 
 /* What was measured beside a row that falls short. */
-static void write_cause(const job *j, const row *r, char *out, size_t size)
+static void write_cause(const job *j, const ss_felt_row *r, char *out, size_t size)
 {
     const ss_felt_errors *e = &r->e;
-    const double step_ms = reference_hz / run_hz(r->rate_hz);
+    const double step_ms = SS_FELT_REFERENCE_HZ / run_hz(r->rate_hz);
     const double own = j->path == SS_FELT_POKE_3 ? j->own.p95 : j->own.p99;
     const double moving = j->reference.held_n / j->static_n - 1.0;
     out[0] = '\0';
     if (r->penetration > 0.1) {
         add_text(out, size, "the contact is soft beside the working force");
     }
-    if (fabs(moving) > good_static) {
+    if (fabs(moving) > SS_FELT_GOOD_STATIC) {
         add_text(out, size, "at 1000 Hz the force is %.0f %% from rest after 0.4 s",
                  100.0 * moving);
     }
-    if (own > 0.5 * good_p99) {
+    if (own > 0.5 * SS_FELT_GOOD_P99) {
         add_text(out, size, "1000 Hz is itself off by %.0f %%", 100.0 * own);
     }
-    if (j->dynamic_share > good_p99) {
+    if (j->dynamic_share > SS_FELT_GOOD_P99) {
         add_text(out, size,
                  "%.0f %% of the force is the tissue's own motion; it rises in %.0f ms, "
                  "a step is %.0f",
                  100.0 * j->dynamic_share, e->rise_ms, step_ms);
     }
-    if (e->p99 > good_p99 && e->at_touch + e->at_leaving >= 0.0) {
+    if (e->p99 > SS_FELT_GOOD_P99 && e->at_touch + e->at_leaving >= 0.0) {
         add_text(out, size,
                  "of what is over 7 %%: %.0f %% in the first two steps of a contact, "
                  "%.0f %% in the last two",
@@ -270,7 +174,7 @@ static void write_cause(const job *j, const row *r, char *out, size_t size)
 }
 
 /* `trace` NULL: there is none, for the reason in `error`. */
-static void write_row(const job *j, const row *r, const ss_felt_trace *trace,
+static void write_row(const job *j, const ss_felt_row *r, const ss_felt_trace *trace,
                       const softsim_error *error)
 {
     const ss_felt_errors *e = &r->e;
@@ -283,9 +187,10 @@ static void write_row(const job *j, const row *r, const ss_felt_trace *trace,
     } else {
         ss_plain_reason("refused: ", error->text, verdict, sizeof verdict);
     }
-    for (int g = 0; g < GOALS; ++g) {
-        if (has_goal(&goals[g], j->path, r->rate_hz, r->delay_ms) && goals[g].is_missed(r)) {
-            add_text(missed, sizeof missed, "%s", goals[g].name);
+    for (int g = 0; g < SS_FELT_GOALS; ++g) {
+        if (ss_felt_has_goal(&ss_felt_goals[g], j->path, r->rate_hz, r->delay_ms) &&
+            ss_felt_goals[g].is_missed(r)) {
+            add_text(missed, sizeof missed, "%s", ss_felt_goals[g].name);
         }
     }
     if (missed[0] != '\0') {
@@ -311,20 +216,21 @@ static void write_row(const job *j, const row *r, const ss_felt_trace *trace,
     fputc('\n', j->out);
 }
 
-static row empty_row(double rate_hz, int32_t delay_ms)
+static ss_felt_row empty_row(double rate_hz, int32_t delay_ms)
 {
     const double nan = NAN;
-    return (row){.rate_hz = rate_hz,
-                 .delay_ms = delay_ms,
-                 .e = {nan, nan, nan, nan, nan, nan, nan, nan, nan, nan, nan},
-                 .static_error = nan,
-                 .net_j = nan,
-                 .hold_p99 = nan,
-                 .penetration = nan};
+    return (ss_felt_row){.rate_hz = rate_hz,
+                         .delay_ms = delay_ms,
+                         .e = {nan, nan, nan, nan, nan, nan, nan, nan, nan, nan, nan},
+                         .static_error = nan,
+                         .net_j = nan,
+                         .hold_p99 = nan,
+                         .penetration = nan};
 }
 
 /* What `trace` is against `truth`; false when out of memory. */
-static bool measure(const job *j, const ss_felt_trace *trace, const ss_felt_trace *truth, row *r)
+static bool measure(const job *j, const ss_felt_trace *trace, const ss_felt_trace *truth,
+                    ss_felt_row *r)
 {
     r->static_error = trace->held_n / j->static_n - 1.0;
     r->net_j = trace->net_j;
@@ -332,7 +238,7 @@ static bool measure(const job *j, const ss_felt_trace *trace, const ss_felt_trac
 }
 
 /* The same run with forces held from the last result. */
-static bool measure_hold(const job *j, row *r)
+static bool measure_hold(const job *j, ss_felt_row *r)
 {
     softsim_error refused = {.status = SOFTSIM_OK};
     ss_felt_run run = run_at(j, r->rate_hz, r->delay_ms);
@@ -359,7 +265,7 @@ static softsim_status write_forces(const job *j, softsim_error *error)
                          j->r->rate_hz[i]);
     }
     snprintf(name, sizeof name, "felt-%s-%s", j->name, ss_felt_path_name(j->path));
-    const softsim_status status = ss_report_csv_open(&csv, j->r->out, name, columns, error);
+    const softsim_status status = ss_report_csv_open(&csv, j->r->base.out, name, columns, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -383,7 +289,7 @@ static bool run_rate(job *j, int32_t rate, int32_t delay_ms)
     softsim_error refused = {.status = SOFTSIM_OK};
     const double rate_hz = j->r->rate_hz[rate];
     const ss_felt_run run = run_at(j, rate_hz, delay_ms);
-    row r = empty_row(rate_hz, delay_ms);
+    ss_felt_row r = empty_row(rate_hz, delay_ms);
     ss_felt_trace trace;
     if (play(j, &run, &trace, &refused) != SOFTSIM_OK) {
         write_row(j, &r, NULL, &refused);
@@ -429,8 +335,8 @@ static softsim_status run_own(job *j, softsim_error *error)
 {
     softsim_error refused = {.status = SOFTSIM_OK};
     const ss_felt_run finest = run_at(j, finest_hz, 0);
-    ss_felt_run slow = run_at(j, reference_hz / slowness, 0);
-    row r = empty_row(reference_hz, 0);
+    ss_felt_run slow = run_at(j, SS_FELT_REFERENCE_HZ / slowness, 0);
+    ss_felt_row r = empty_row(SS_FELT_REFERENCE_HZ, 0);
     ss_felt_trace trace;
     slow.slowness = slowness;
     if (play(j, &finest, &trace, &refused) == SOFTSIM_OK) {
@@ -455,7 +361,7 @@ static softsim_status run_own(job *j, softsim_error *error)
 
 static softsim_status run_references(job *j, softsim_error *error)
 {
-    ss_felt_run run = run_at(j, reference_hz, 0);
+    ss_felt_run run = run_at(j, SS_FELT_REFERENCE_HZ, 0);
     softsim_status status = play(j, &run, &j->reference, error);
     run.is_held = true;
     if (status == SOFTSIM_OK && j->path == SS_FELT_PRESS) {
@@ -473,7 +379,7 @@ static softsim_status run_references(job *j, softsim_error *error)
  * a body in metres: a press of 6 mm would not reach it. */
 static void find_touch(job *j)
 {
-    const ss_felt_run run = run_at(j, reference_hz, 0);
+    const ss_felt_run run = run_at(j, SS_FELT_REFERENCE_HZ, 0);
     const double depth_m = ss_felt_touch_depth(j->scene, &j->place, &run);
     if (depth_m > 0.25 * j->place.depth_m) {
         ss_madd3(j->place.point, j->place.point, -depth_m, j->place.normal);
@@ -487,22 +393,22 @@ static softsim_status run_one(const void *context, int32_t index, FILE *out, sof
     const int32_t model_count = ss_world_scene_models(models);
     ss_scene *scene = NULL;
     job j = {.r = r,
-             .scene = r->scenes.path[index / SS_FELT_PATHS],
+             .scene = r->base.scenes.path[index / SS_FELT_PATHS],
              .path = (ss_felt_path)(index % SS_FELT_PATHS),
-             .own = empty_row(reference_hz, 0).e,
+             .own = empty_row(SS_FELT_REFERENCE_HZ, 0).e,
              .dynamic_share = NAN,
              .static_n = NAN,
              .out = out};
     ss_felt_name(j.scene, j.name);
-    softsim_status status = ss_scene_load(j.scene, r->set.value, r->set.count, models, model_count,
-                                          NULL, &scene, error);
+    softsim_status status = ss_scene_load(j.scene, r->base.set.value, r->base.set.count, models,
+                                          model_count, NULL, &scene, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
     j.model = models[scene->model_index].name;
     if (!ss_felt_find_place(scene, &j.place)) {
         ss_scene_destroy(&scene);
-        if (r->scenes.is_bundled) {
+        if (r->base.scenes.is_bundled) {
             return SOFTSIM_OK;
         }
         status = SOFTSIM_ERROR_SCENE;
@@ -528,36 +434,16 @@ static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZ
     uint64_t hash = SS_HASH_START;
     hash = ss_hash_bytes(hash, r->rates, strlen(r->rates));
     hash = ss_hash_bytes(hash, r->delays, strlen(r->delays));
-    for (int32_t i = 0; i < r->set.count; ++i) {
-        hash = ss_hash_bytes(hash, r->set.value[i], strlen(r->set.value[i]));
+    for (int32_t i = 0; i < r->base.set.count; ++i) {
+        hash = ss_hash_bytes(hash, r->base.set.value[i], strlen(r->base.set.value[i]));
     }
-    snprintf(out, SS_SWEEP_NAME_SIZE, "%.180s,%s,%d,%016llx", r->scenes.path[index / SS_FELT_PATHS],
+    snprintf(out, SS_SWEEP_NAME_SIZE, "%.180s,%s,%d,%016llx",
+             r->base.scenes.path[index / SS_FELT_PATHS],
              ss_felt_path_name((ss_felt_path)(index % SS_FELT_PATHS)), r->is_quick,
              (unsigned long long)hash);
 }
 
 /* ---- files ---- */
-
-static softsim_status write_csv(const report *r, const ss_sweep_result *result,
-                                softsim_error *error)
-{
-    ss_output csv;
-    const softsim_status status = ss_report_csv_open(&csv, r->out, "felt", head, error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
-    for (int32_t i = 0; i < result->count; ++i) {
-        if (!result->run[i].is_lost) {
-            fputs(result->run[i].text, csv.file);
-        }
-    }
-    return ss_output_commit(&csv, error);
-}
-
-static bool has_rows(const ss_sweep_run *run)
-{
-    return !run->is_lost && run->text[0] != '\0';
-}
 
 static softsim_status plot_scene(const report *r, const ss_sweep_result *result, int32_t scene,
                                  ss_page *page, softsim_error *error)
@@ -565,16 +451,16 @@ static softsim_status plot_scene(const report *r, const ss_sweep_result *result,
     ss_output script;
     char name[SS_FELT_NAME_SIZE], picture[160];
     int32_t panels = 0;
-    ss_felt_name(r->scenes.path[scene], name);
+    ss_felt_name(r->base.scenes.path[scene], name);
     for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
-        panels += has_rows(&result->run[scene * SS_FELT_PATHS + p]);
+        panels += ss_felt_has_rows(&result->run[scene * SS_FELT_PATHS + p]);
     }
     if (panels == 0) {
         return SOFTSIM_OK;
     }
     snprintf(picture, sizeof picture, "felt-%s", name);
     const softsim_status status =
-        ss_plot_open_sized(&script, r->out, picture, 900, 60 + 230 * panels, error);
+        ss_plot_open_sized(&script, r->base.out, picture, 900, 60 + 230 * panels, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -583,7 +469,7 @@ static softsim_status plot_scene(const report *r, const ss_sweep_result *result,
             "set ylabel 'force, N'\nset key outside right top\n",
             panels);
     for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
-        if (!has_rows(&result->run[scene * SS_FELT_PATHS + p])) {
+        if (!ss_felt_has_rows(&result->run[scene * SS_FELT_PATHS + p])) {
             continue;
         }
         const char *path = ss_felt_path_name((ss_felt_path)p);
@@ -653,7 +539,7 @@ static void add_rows(ss_page *page, const char *text)
 }
 
 /* How many of the rows that have a goal reach it. */
-static void count_goal(const ss_sweep_result *result, const goal *g, int32_t *out_rows,
+static void count_goal(const ss_sweep_result *result, const ss_felt_goal *g, int32_t *out_rows,
                        int32_t *out_reached)
 {
     *out_rows = *out_reached = 0;
@@ -662,9 +548,9 @@ static void count_goal(const ss_sweep_result *result, const goal *g, int32_t *ou
         char line[ROW_SIZE], *cell[HEAD_COLUMNS];
         while ((text = next_row(text, line, cell)) != NULL) {
             double p99;
-            const bool is_one =
-                ss_csv_number(cell[6], &p99) &&
-                has_goal(g, (ss_felt_path)(i % SS_FELT_PATHS), atof(cell[2]), atoi(cell[4]));
+            const bool is_one = ss_csv_number(cell[6], &p99) &&
+                                ss_felt_has_goal(g, (ss_felt_path)(i % SS_FELT_PATHS),
+                                                 atof(cell[2]), atoi(cell[4]));
             bool is_missed = false;
             for (char *rest = cell[SHORT_OF_COLUMN], *name; (name = strsep(&rest, ";"));) {
                 is_missed = is_missed || strcmp(name + strspn(name, " "), g->name) == 0;
@@ -681,37 +567,38 @@ static softsim_status write_goals(const report *r, const ss_sweep_result *result
     static const char *const columns[] = {"goal", "name", "rows", "reached"};
     ss_output csv;
     const softsim_status status =
-        ss_report_csv_open(&csv, r->out, "felt-goals", "goal,name,rows,reached", error);
+        ss_report_csv_open(&csv, r->base.out, "felt-goals", "goal,name,rows,reached", error);
     if (status != SOFTSIM_OK) {
         return status;
     }
     ss_page_heading(page, "Goals");
     ss_page_table_begin(page, 4, columns);
-    for (int g = 0; g < GOALS; ++g) {
+    for (int g = 0; g < SS_FELT_GOALS; ++g) {
         int32_t rows, reached;
         ss_row cells = {.count = 0};
-        count_goal(result, &goals[g], &rows, &reached);
-        ss_row_add(&cells, "%s", goals[g].text);
-        ss_row_add(&cells, "%s", goals[g].name);
+        count_goal(result, &ss_felt_goals[g], &rows, &reached);
+        ss_row_add(&cells, "%s", ss_felt_goals[g].text);
+        ss_row_add(&cells, "%s", ss_felt_goals[g].name);
         ss_row_add(&cells, "%d", rows);
         ss_row_add(&cells, "%d", reached);
         ss_page_table_row(page, cells.count, cells.cell);
-        ss_csv_text(csv.file, goals[g].text);
-        fprintf(csv.file, ",%s,%d,%d\n", goals[g].name, rows, reached);
+        ss_csv_text(csv.file, ss_felt_goals[g].text);
+        fprintf(csv.file, ",%s,%d,%d\n", ss_felt_goals[g].name, rows, reached);
     }
     ss_page_table_end(page);
     return ss_output_commit(&csv, error);
 }
 
-static softsim_status write_page(const report *r, const ss_sweep_result *result,
+static softsim_status write_page(const ss_felt_report *base, const ss_sweep_result *result,
                                  softsim_error *error)
 {
+    const report *r = (const report *)base;
     static const char *const columns[] = {
         "rate, Hz", "path", "delay, ms", "p50",       "p95",      "p99",     "hold: p99", "impulse",
         "peak",     "held", "static",    "touch, ms", "depth, R", "net, mJ", "verdict"};
     ss_page page;
     softsim_status status =
-        ss_page_open(&page, r->out, "felt", "softsim: what a hand feels", error);
+        ss_page_open(&page, r->base.out, "felt", "softsim: what a hand feels", error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -736,13 +623,13 @@ static softsim_status write_page(const report *r, const ss_sweep_result *result,
                  "of the force is not that of a hand ten times slower (p95), and in how many ms "
                  "it rises; where in a contact the difference is.");
     status = write_goals(r, result, &page, error);
-    for (int32_t s = 0; s < r->scenes.count && status == SOFTSIM_OK; ++s) {
+    for (int32_t s = 0; s < r->base.scenes.count && status == SOFTSIM_OK; ++s) {
         char name[SS_FELT_NAME_SIZE];
-        if (r->scenes.is_bundled && !result->run[s * SS_FELT_PATHS].is_lost &&
-            !has_rows(&result->run[s * SS_FELT_PATHS])) {
+        if (r->base.scenes.is_bundled && !result->run[s * SS_FELT_PATHS].is_lost &&
+            !ss_felt_has_rows(&result->run[s * SS_FELT_PATHS])) {
             continue; /* without a tool */
         }
-        ss_felt_name(r->scenes.path[s], name);
+        ss_felt_name(r->base.scenes.path[s], name);
         ss_page_heading(&page, name);
         ss_page_table_begin(&page, (int32_t)(sizeof columns / sizeof *columns), columns);
         for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
@@ -752,84 +639,37 @@ static softsim_status write_page(const report *r, const ss_sweep_result *result,
             }
         }
         ss_page_table_end(&page);
-        for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
-            const ss_sweep_run *run = &result->run[s * SS_FELT_PATHS + p];
-            if (run->is_lost) {
-                ss_page_text(&page, "%s: not run: %s", ss_felt_path_name((ss_felt_path)p),
-                             run->text);
-            }
-        }
+        ss_felt_page_lost(base, &page, &result->run[s * SS_FELT_PATHS]);
         status = plot_scene(r, result, s, &page, error);
     }
-    ss_page_link(&page, "felt.csv");
     ss_page_link(&page, "felt-goals.csv");
-    if (status == SOFTSIM_OK) {
-        status = ss_page_close(&page, error);
-    }
-    ss_page_abandon(&page);
-    return status;
+    return ss_felt_page_close(base, &page, status, error);
 }
 
-static void print_rows(const report *r, const ss_sweep_result *result)
+static void print_goals(const ss_sweep_result *result)
 {
-    puts(head);
-    for (int32_t i = 0; i < result->count; ++i) {
-        if (result->run[i].is_lost) {
-            char name[SS_FELT_NAME_SIZE];
-            ss_felt_name(r->scenes.path[i / SS_FELT_PATHS], name);
-            printf("%s, %s: not run: %s\n", name,
-                   ss_felt_path_name((ss_felt_path)(i % SS_FELT_PATHS)), result->run[i].text);
-        } else {
-            fputs(result->run[i].text, stdout);
-        }
-    }
-    for (int g = 0; g < GOALS; ++g) {
+    for (int g = 0; g < SS_FELT_GOALS; ++g) {
         int32_t rows, reached;
-        count_goal(result, &goals[g], &rows, &reached);
-        printf("%s: %d of %d\n", goals[g].text, reached, rows);
+        count_goal(result, &ss_felt_goals[g], &rows, &reached);
+        printf("%s: %d of %d\n", ss_felt_goals[g].text, reached, rows);
     }
-    printf("%s/felt.html\n", r->out);
 }
 
 /* ---- options ---- */
 
-int32_t ss_felt_numbers(const char *text, double low, double high, int32_t most, double *out)
+static ss_args_result parse_options(int argc, char **argv, ss_felt_report *base,
+                                    softsim_error *error)
 {
-    int32_t count = 0;
-    while (count < most) {
-        char *end = NULL;
-        out[count] = strtod(text, &end);
-        if (end == text || !(out[count] >= low && out[count] <= high)) {
-            return -1;
-        }
-        ++count;
-        if (*end == '\0') {
-            return count;
-        }
-        if (*end != ',') {
-            return -1;
-        }
-        text = end + 1;
-    }
-    return -1;
-}
-
-static ss_args_result parse_options(int argc, char **argv, report *r, softsim_error *error)
-{
-    *r = (report){.out = "felt-report", .delays = "0", .jobs = 1};
+    report *r = (report *)base;
+    r->delays = "0";
     const ss_arg rows[] = {
-        {"--scene", SS_ARG_LIST, &r->scene_list, 0, 0, "SCENE.yaml",
-         "a scene with a tool; may be given again (all bundled scenes)"},
+        SS_FELT_ROWS(base),
         {"--rates", SS_ARG_STRING, &r->rates, 0, 0, "N,N",
          "of the simulation, Hz, 10 to 1000 (30,60,120,300,500; quick: 60,300)"},
         {"--delays-ms", SS_ARG_STRING, &r->delays, 0, 0, "N,N",
          "of the bus, one way, whole ms, 0 to 20 (0)"},
-        {"--set", SS_ARG_LIST, &r->set, 0, 0, "PATH=VALUE",
-         "overrides one value of the scenes; may be given again"},
         {"--quick", SS_ARG_FLAG, &r->is_quick, 0, 0, NULL,
          "two rates, and not the run at 10,000 Hz"},
-        {"--jobs", SS_ARG_INTEGER, &r->jobs, 1, SS_SWEEP_MAX_JOBS, "N", "runs at a time (1)"},
-        {"--out", SS_ARG_STRING, &r->out, 0, 0, "DIR", "for the report (felt-report)"},
         {"--hands", SS_ARG_FLAG, &r->is_hands, 0, 0, NULL,
          "simulated hands in closed loop in place of given paths; more: --hands --help"},
         {"--slide", SS_ARG_FLAG, &r->is_slide, 0, 0, NULL,
@@ -853,50 +693,19 @@ static ss_args_result parse_options(int argc, char **argv, report *r, softsim_er
     }
     r->rates = r->rates ? r->rates : r->is_quick ? "60,300" : "30,60,120,300,500";
     double delay[MAX_DELAYS];
-    r->rate_count = ss_felt_numbers(r->rates, 10.0, reference_hz, MAX_RATES, r->rate_hz);
-    r->delay_count = ss_felt_numbers(r->delays, 0.0, 20.0, MAX_DELAYS, delay);
-    if (r->rate_count < 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "--rates: '%s' is not up to %d numbers from 10 to 1000 with commas "
-                          "between them",
-                          r->rates, MAX_RATES);
-    }
+    r->rate_count = ss_felt_numbers("--rates", false, r->rates, 10.0, SS_FELT_REFERENCE_HZ,
+                                    MAX_RATES, r->rate_hz, error);
+    r->delay_count =
+        ss_felt_numbers("--delays-ms", true, r->delays, 0.0, 20.0, MAX_DELAYS, delay, error);
     for (int32_t i = 0; i < r->delay_count; ++i) {
         r->delay_ms[i] = (int32_t)delay[i];
-        r->delay_count = r->delay_ms[i] == delay[i] ? r->delay_count : -1;
     }
-    if (r->delay_count < 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "--delays-ms: '%s' is not up to %d whole numbers from 0 to 20 with "
-                          "commas between them",
-                          r->delays, MAX_DELAYS);
-    }
-    ss_felt_list_scenes(&r->scene_list, &r->scenes, error);
-    return error->fault_count > 0 ? SS_ARGS_BAD : result;
+    return result;
 }
 
-static softsim_status write_all(void *context, const ss_sweep_result *result, softsim_error *error)
+static const char *path_name(int32_t path)
 {
-    const report *r = context;
-    softsim_status status = write_csv(r, result, error);
-    status = status == SOFTSIM_OK ? write_page(r, result, error) : status;
-    if (status == SOFTSIM_OK) {
-        print_rows(r, result);
-    }
-    return status;
-}
-
-static softsim_status sweep_and_report(report *r, int32_t *out_lost, softsim_error *error)
-{
-    const ss_sweep sweep = {.folder = r->out,
-                            .name = "felt",
-                            .count = r->scenes.count * SS_FELT_PATHS,
-                            .jobs = (int32_t)r->jobs,
-                            .timeout_s = run_timeout_s,
-                            .context = r,
-                            .label = label,
-                            .run = run_one};
-    return ss_sweep_and_report(&sweep, write_all, r, out_lost, error);
+    return ss_felt_path_name((ss_felt_path)path);
 }
 
 static int run_report(int argc, char **argv)
@@ -909,23 +718,17 @@ static int run_report(int argc, char **argv)
             return ss_felt_slide(argc, argv);
         }
     }
-    report *r = calloc(1, sizeof *r);
-    softsim_error error = {.status = SOFTSIM_OK};
-    int exit_code = EXIT_FAILURE;
-    int32_t lost = 0;
-    if (r == NULL) {
-        fputs("softsim-bench felt: out of memory\n", stderr);
-        return exit_code;
-    }
-    const ss_args_result parsed = parse_options(argc, argv, r, &error);
-    if (ss_args_may_run(argv[0], parsed, &error, &exit_code)) {
-        softsim_status status = ss_report_begin(r->out, NULL, &error);
-        status = status == SOFTSIM_OK ? sweep_and_report(r, &lost, &error) : status;
-        exit_code = ss_args_finish(argv[0], status, &error);
-        exit_code = exit_code == 0 && lost > 0 ? EXIT_FAILURE : exit_code;
-    }
-    free(r);
-    return exit_code;
+    static const ss_felt_kind kind = {.name = "felt",
+                                      .head = head,
+                                      .size = sizeof(report),
+                                      .runs = SS_FELT_PATHS,
+                                      .run_name = path_name,
+                                      .parse = parse_options,
+                                      .label = label,
+                                      .run = run_one,
+                                      .write_page = write_page,
+                                      .print_more = print_goals};
+    return ss_felt_report_run(argc, argv, &kind);
 }
 
 const ss_report_class ss_report_felt = {.name = "felt",

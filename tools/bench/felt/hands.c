@@ -9,6 +9,7 @@
 
 #include "bench/core/report.h"
 #include "bench/felt/hand.h"
+#include "bench/felt/report.h"
 #include "output.h"
 #include "rt/args.h"
 #include "world/world.h"
@@ -34,18 +35,6 @@ typedef struct hands {
     FILE *csv;
     int32_t rows, bad;
 } hands;
-
-static int32_t read_numbers(const char *option, const char *text, double low, double high,
-                            double *out, softsim_error *error)
-{
-    const int32_t count = ss_felt_numbers(text, low, high, MAX_NUMBERS, out);
-    if (count < 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "%s: '%s' is not up to %d numbers from %g to %g with commas between them",
-                          option, text, MAX_NUMBERS, low, high);
-    }
-    return count;
-}
 
 static ss_args_result parse_options(int argc, char **argv, hands *h, softsim_error *error)
 {
@@ -84,9 +73,12 @@ static ss_args_result parse_options(int argc, char **argv, hands *h, softsim_err
     }
     h->tissues = h->tissues ? h->tissues : h->is_quick ? "300" : "50,150,300,1000,3000";
     h->rates = h->rates ? h->rates : h->is_quick ? "1000" : "60,1000";
-    h->rate_count = read_numbers("--rates", h->rates, 10.0, 1000.0, h->rate_hz, error);
-    h->delay_count = read_numbers("--delays-ms", h->delays, 0.0, 20.0, h->delay_ms, error);
-    h->tissue_count = read_numbers("--tissues", h->tissues, 1.0, 1e5, h->tissue_n_per_m, error);
+    h->rate_count =
+        ss_felt_numbers("--rates", false, h->rates, 10.0, 1000.0, MAX_NUMBERS, h->rate_hz, error);
+    h->delay_count = ss_felt_numbers("--delays-ms", false, h->delays, 0.0, 20.0, MAX_NUMBERS,
+                                     h->delay_ms, error);
+    h->tissue_count = ss_felt_numbers("--tissues", false, h->tissues, 1.0, 1e5, MAX_NUMBERS,
+                                      h->tissue_n_per_m, error);
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 

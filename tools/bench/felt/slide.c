@@ -9,8 +9,7 @@
 
 #include "bench/core/report.h"
 #include "bench/core/sweep.h"
-#include "bench/felt/hands.h"
-#include "bench/felt/scenes.h"
+#include "bench/felt/report.h"
 #include "output.h"
 #include "process.h"
 #include "rt/args.h"
@@ -20,7 +19,6 @@
 #include "world/world.h"
 
 enum { SAMPLE_HZ = 1000, MAX_LEGS = 2 + 4 * SS_SLIDE_STOPS, MAX_SPEEDS = 8, SENDER = 1 };
-static const double run_timeout_s = 1800.0;
 static const double rest_s = 0.2, above_m = 0.003, press_m_s = 0.01, settle_s = 0.5;
 static const double stop_s = 0.8, stop_m_s = 0.05, ramp_share = 0.1;
 enum { STOP_MS = 20 }; /* mean of a stop's end */
@@ -198,12 +196,10 @@ softsim_status ss_slide_stop(const char *scene, const ss_felt_place *place, cons
 /* ---- one run: a scene and a direction ---- */
 
 typedef struct slides {
-    const char *out, *speeds;
-    ss_arg_list scene_list, set;
-    ss_felt_scenes scenes;
+    ss_felt_report base; /* first, as ss_felt_report_run has it */
+    const char *speeds;
     double speed_mm_s[MAX_SPEEDS], rate_hz;
     int32_t speed_count;
-    int64_t jobs;
     bool is_slide;
 } slides;
 
@@ -265,7 +261,7 @@ static softsim_status write_forces(const job *j, softsim_error *error)
                          j->s->speed_mm_s[i], j->s->speed_mm_s[i]);
     }
     snprintf(name, sizeof name, "slide-%s-%s", j->name, direction_name[j->direction]);
-    const softsim_status status = ss_report_csv_open(&csv, j->s->out, name, columns, error);
+    const softsim_status status = ss_report_csv_open(&csv, j->s->base.out, name, columns, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -322,20 +318,21 @@ static softsim_status run_one(const void *context, int32_t index, FILE *out, sof
         return SOFTSIM_ERROR_MEMORY;
     }
     j->s = s;
-    j->scene = s->scenes.path[index / SS_WAY_DIRECTIONS];
+    j->scene = s->base.scenes.path[index / SS_WAY_DIRECTIONS];
     j->direction = index % SS_WAY_DIRECTIONS;
-    j->run = (ss_felt_run){.rate_hz = s->rate_hz, .set = s->set.value, .set_count = s->set.count};
+    j->run = (ss_felt_run){
+        .rate_hz = s->rate_hz, .set = s->base.set.value, .set_count = s->base.set.count};
     j->out = out;
     ss_felt_name(j->scene, j->name);
-    softsim_status status = ss_scene_load(j->scene, s->set.value, s->set.count, models, model_count,
-                                          NULL, &scene, error);
+    softsim_status status = ss_scene_load(j->scene, s->base.set.value, s->base.set.count, models,
+                                          model_count, NULL, &scene, error);
     if (status == SOFTSIM_OK) {
         j->model = models[scene->model_index].name;
         j->is_volume = scene->mesh->tetrahedron_count > 0;
         if (ss_felt_find_place(scene, &j->place) &&
             ss_way_find(scene, &j->place, j->direction, &j->way)) {
             status = play_speeds(j, error);
-        } else if (!s->scenes.is_bundled) {
+        } else if (!s->base.scenes.is_bundled) {
             status = SOFTSIM_ERROR_SCENE;
             softsim_error_add(error, status, "%s: has no tool, or no surface to slide on",
                               j->scene);
@@ -354,36 +351,15 @@ static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZ
 {
     const slides *s = context;
     uint64_t hash = ss_hash_bytes(SS_HASH_START, s->speeds, strlen(s->speeds));
-    for (int32_t i = 0; i < s->set.count; ++i) {
-        hash = ss_hash_bytes(hash, s->set.value[i], strlen(s->set.value[i]));
+    for (int32_t i = 0; i < s->base.set.count; ++i) {
+        hash = ss_hash_bytes(hash, s->base.set.value[i], strlen(s->base.set.value[i]));
     }
     snprintf(out, SS_SWEEP_NAME_SIZE, "%.180s,%s,%g,%016llx",
-             s->scenes.path[index / SS_WAY_DIRECTIONS], direction_name[index % SS_WAY_DIRECTIONS],
-             s->rate_hz, (unsigned long long)hash);
+             s->base.scenes.path[index / SS_WAY_DIRECTIONS],
+             direction_name[index % SS_WAY_DIRECTIONS], s->rate_hz, (unsigned long long)hash);
 }
 
 /* ---- files ---- */
-
-static softsim_status write_csv(const slides *s, const ss_sweep_result *result,
-                                softsim_error *error)
-{
-    ss_output csv;
-    const softsim_status status = ss_report_csv_open(&csv, s->out, "slide", head, error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
-    for (int32_t i = 0; i < result->count; ++i) {
-        if (!result->run[i].is_lost) {
-            fputs(result->run[i].text, csv.file);
-        }
-    }
-    return ss_output_commit(&csv, error);
-}
-
-static bool has_rows(const ss_sweep_run *run)
-{
-    return !run->is_lost && run->text[0] != '\0';
-}
 
 static softsim_status plot_scene(const slides *s, const ss_sweep_run *run, const char *name,
                                  ss_page *page, softsim_error *error)
@@ -392,7 +368,7 @@ static softsim_status plot_scene(const slides *s, const ss_sweep_run *run, const
     char picture[160];
     snprintf(picture, sizeof picture, "slide-%s", name);
     const softsim_status status =
-        ss_plot_open_sized(&script, s->out, picture, 900, 60 + 260 * SS_WAY_DIRECTIONS, error);
+        ss_plot_open_sized(&script, s->base.out, picture, 900, 60 + 260 * SS_WAY_DIRECTIONS, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -401,7 +377,7 @@ static softsim_status plot_scene(const slides *s, const ss_sweep_run *run, const
             "set ylabel 'force, N'\nset xlabel 'way, mm'\nset key outside right top\n",
             SS_WAY_DIRECTIONS);
     for (int32_t d = 0; d < SS_WAY_DIRECTIONS; ++d) {
-        if (!has_rows(&run[d])) {
+        if (!ss_felt_has_rows(&run[d])) {
             continue;
         }
         fprintf(script.file,
@@ -444,16 +420,17 @@ static void add_rows(ss_page *page, const char *text)
     }
 }
 
-static softsim_status write_page(const slides *s, const ss_sweep_result *result,
+static softsim_status write_page(const ss_felt_report *base, const ss_sweep_result *result,
                                  softsim_error *error)
 {
+    const slides *s = (const slides *)base;
     static const char *const columns[] = {
         "direction", "way, mm",         "edge, mm",      "mm/s",
         "mean, N",   "step, %",         "ripple, %",     "tilt, deg",
         "loop, %",   "loop at rest, %", "by damping, %", "verdict"};
     ss_page page;
     softsim_status status =
-        ss_page_open(&page, s->out, "slide", "softsim: what sliding feels like", error);
+        ss_page_open(&page, s->base.out, "slide", "softsim: what sliding feels like", error);
     if (status != SOFTSIM_OK) {
         return status;
     }
@@ -469,69 +446,42 @@ static softsim_status write_page(const slides *s, const ss_sweep_result *result,
         "back at the same place; at rest: the same of five stops of 0.8 s; by damping: the share "
         "of the loop that the stops do not have. Good: jump up to 1 %%, ripple up to 1 %% on a "
         "surface and 5 %% in a volume, loop at rest up to 2 %%.");
-    for (int32_t k = 0; k < s->scenes.count && status == SOFTSIM_OK; ++k) {
+    for (int32_t k = 0; k < s->base.scenes.count && status == SOFTSIM_OK; ++k) {
         const ss_sweep_run *run = &result->run[k * SS_WAY_DIRECTIONS];
         char name[SS_FELT_NAME_SIZE];
         bool is_any = false;
         for (int32_t d = 0; d < SS_WAY_DIRECTIONS; ++d) {
-            is_any = is_any || run[d].is_lost || has_rows(&run[d]);
+            is_any = is_any || run[d].is_lost || ss_felt_has_rows(&run[d]);
         }
         if (!is_any) {
             continue; /* without a tool */
         }
-        ss_felt_name(s->scenes.path[k], name);
+        ss_felt_name(s->base.scenes.path[k], name);
         ss_page_heading(&page, name);
         ss_page_table_begin(&page, (int32_t)(sizeof columns / sizeof *columns), columns);
         for (int32_t d = 0; d < SS_WAY_DIRECTIONS; ++d) {
             add_rows(&page, run[d].is_lost ? "" : run[d].text);
         }
         ss_page_table_end(&page);
-        for (int32_t d = 0; d < SS_WAY_DIRECTIONS; ++d) {
-            if (run[d].is_lost) {
-                ss_page_text(&page, "%s: not run: %s", direction_name[d], run[d].text);
-            }
-        }
+        ss_felt_page_lost(base, &page, run);
         status = plot_scene(s, run, name, &page, error);
     }
-    ss_page_link(&page, "slide.csv");
-    if (status == SOFTSIM_OK) {
-        status = ss_page_close(&page, error);
-    }
-    ss_page_abandon(&page);
-    return status;
-}
-
-static void print_rows(const slides *s, const ss_sweep_result *result)
-{
-    puts(head);
-    for (int32_t i = 0; i < result->count; ++i) {
-        if (result->run[i].is_lost) {
-            char name[SS_FELT_NAME_SIZE];
-            ss_felt_name(s->scenes.path[i / SS_WAY_DIRECTIONS], name);
-            printf("%s, %s: not run: %s\n", name, direction_name[i % SS_WAY_DIRECTIONS],
-                   result->run[i].text);
-        } else {
-            fputs(result->run[i].text, stdout);
-        }
-    }
-    printf("%s/slide.html\n", s->out);
+    return ss_felt_page_close(base, &page, status, error);
 }
 
 /* ---- options ---- */
 
-static ss_args_result parse_options(int argc, char **argv, slides *s, softsim_error *error)
+static ss_args_result parse_options(int argc, char **argv, ss_felt_report *base,
+                                    softsim_error *error)
 {
-    *s = (slides){.out = "felt-report", .speeds = "50,200", .rate_hz = 1000.0, .jobs = 1};
+    slides *s = (slides *)base;
+    s->speeds = "50,200";
+    s->rate_hz = 1000.0;
     const ss_arg rows[] = {
         {"--slide", SS_ARG_FLAG, &s->is_slide, 0, 0, NULL, "this report"},
-        {"--scene", SS_ARG_LIST, &s->scene_list, 0, 0, "SCENE.yaml",
-         "a scene with a tool; may be given again (all bundled scenes)"},
-        {"--set", SS_ARG_LIST, &s->set, 0, 0, "PATH=VALUE",
-         "overrides one value of the scenes; may be given again"},
+        SS_FELT_ROWS(base),
         {"--speeds", SS_ARG_STRING, &s->speeds, 0, 0, "N,N", "mm/s, 1 to 500 (50,200)"},
         {"--rate-hz", SS_ARG_NUMBER, &s->rate_hz, 10, 1000, "HZ", "of the simulation (1000)"},
-        {"--jobs", SS_ARG_INTEGER, &s->jobs, 1, SS_SWEEP_MAX_JOBS, "N", "runs at a time (1)"},
-        {"--out", SS_ARG_STRING, &s->out, 0, 0, "DIR", "for the report (felt-report)"},
     };
     const ss_args_result result = ss_args_parse(
         argc, argv, "--slide [options]",
@@ -544,61 +494,28 @@ static ss_args_result parse_options(int argc, char **argv, slides *s, softsim_er
         "ripple; loop: largest difference of forward and back at the same place, loop_at_rest: "
         "where the tool stops; damping_share: of the loop, what the stops do not have.",
         rows, (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, error);
-    if (result != SS_ARGS_RUN) {
-        return result;
+    if (result == SS_ARGS_RUN) {
+        s->speed_count = ss_felt_numbers("--speeds", false, s->speeds, 1.0, 500.0, MAX_SPEEDS,
+                                         s->speed_mm_s, error);
     }
-    s->speed_count = ss_felt_numbers(s->speeds, 1.0, 500.0, MAX_SPEEDS, s->speed_mm_s);
-    if (s->speed_count < 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "--speeds: '%s' is not up to %d numbers from 1 to 500 with commas "
-                          "between them",
-                          s->speeds, MAX_SPEEDS);
-    }
-    ss_felt_list_scenes(&s->scene_list, &s->scenes, error);
-    return error->fault_count > 0 ? SS_ARGS_BAD : result;
+    return result;
 }
 
-static softsim_status write_all(void *context, const ss_sweep_result *result, softsim_error *error)
+static const char *name_of(int32_t direction)
 {
-    const slides *s = context;
-    softsim_status status = write_csv(s, result, error);
-    status = status == SOFTSIM_OK ? write_page(s, result, error) : status;
-    if (status == SOFTSIM_OK) {
-        print_rows(s, result);
-    }
-    return status;
-}
-
-static softsim_status sweep_and_report(slides *s, int32_t *out_lost, softsim_error *error)
-{
-    const ss_sweep sweep = {.folder = s->out,
-                            .name = "slide",
-                            .count = s->scenes.count * SS_WAY_DIRECTIONS,
-                            .jobs = (int32_t)s->jobs,
-                            .timeout_s = run_timeout_s,
-                            .context = s,
-                            .label = label,
-                            .run = run_one};
-    return ss_sweep_and_report(&sweep, write_all, s, out_lost, error);
+    return direction_name[direction];
 }
 
 int ss_felt_slide(int argc, char **argv)
 {
-    slides *s = calloc(1, sizeof *s);
-    softsim_error error = {.status = SOFTSIM_OK};
-    int exit_code = EXIT_FAILURE;
-    int32_t lost = 0;
-    if (s == NULL) {
-        fputs("softsim-bench felt: out of memory\n", stderr);
-        return exit_code;
-    }
-    const ss_args_result parsed = parse_options(argc, argv, s, &error);
-    if (ss_args_may_run(argv[0], parsed, &error, &exit_code)) {
-        softsim_status status = ss_report_begin(s->out, NULL, &error);
-        status = status == SOFTSIM_OK ? sweep_and_report(s, &lost, &error) : status;
-        exit_code = ss_args_finish(argv[0], status, &error);
-        exit_code = exit_code == 0 && lost > 0 ? EXIT_FAILURE : exit_code;
-    }
-    free(s);
-    return exit_code;
+    static const ss_felt_kind kind = {.name = "slide",
+                                      .head = head,
+                                      .size = sizeof(slides),
+                                      .runs = SS_WAY_DIRECTIONS,
+                                      .run_name = name_of,
+                                      .parse = parse_options,
+                                      .label = label,
+                                      .run = run_one,
+                                      .write_page = write_page};
+    return ss_felt_report_run(argc, argv, &kind);
 }
