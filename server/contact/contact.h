@@ -316,4 +316,7 @@ typedef struct ss_proxy_target {
     double orientation[4];
     double velocity[3];
     double acceleration[3];
+    /* As far as the law answers, the tissue presses back with the force limit `room` m (infinite:
+     * no tissue is near) against `outward` (unit) of the proxy. */
+    double outward[3], room;
 } ss_proxy_target;

@@ -358,12 +358,7 @@ static double slew_step(const ss_haptic *haptic, int64_t tick)
 /* dF/dx along the normal within a result: coupling and law in series. */
 static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
 {
-    double tissue[3][3];
-    double k = 0.0;
-    ss_local_contact_stiffness(&haptic->local, true, tissue);
-    for (int r = 0; r < 3; ++r) {
-        k += normal[r] * ss_dot3(tissue[r], normal);
-    }
+    const double k = ss_local_contact_stiffness_along(&haptic->local, normal);
     return k > 0.0 ? haptic->yield.spring * k / (haptic->yield.spring + k) : 0.0;
 }
 
@@ -565,6 +560,8 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     const double fraction = haptic->slip.stiffness_fraction;
     const double led = fraction * (1.0 - felt_stiffness(haptic, out) / haptic->yield.spring);
     ss_madd3(target->velocity, v, (led - 1.0) * ss_dot3(v, out), out);
+    target->room =
+        ss_local_contact_room(&haptic->local, haptic->p, haptic->slip.limit, target->outward);
     ss_motion_acceleration(&haptic->motion, target->acceleration);
     const double along = ss_dot3(target->acceleration, out);
     ss_madd3(target->acceleration, target->acceleration, (led - 1.0) * along, out);

@@ -76,7 +76,7 @@ void ss_haptic_configure(ss_haptic *haptic, const ss_haptic_config *config);
 void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_output *output);
 
 /* The proxy predicted half a period past the results' lag: p + v min((lag + 1/2) h, 25 ms), at
- * most 3 mm from p. Thread: simulation; RT-safe. */
+ * most 3 mm from p, and no deeper than the force limit goes. Thread: simulation; RT-safe. */
 void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double period,
                        double out_position[3]);
 

@@ -184,8 +184,14 @@ void ss_local_contact_rows(ss_local_contact *local, double period, const double 
  * plane of vanishing force, with its normal and a point of it. False when no contact is known. */
 bool ss_local_contact_surface(const ss_local_contact *local, const double x[3],
                               double out_normal[3], double out_point[3], double *out_depth);
+/* How far the proxy, at `p`, may go against unit `out_outward` until the contacts exert `limit`;
+ * infinite where none is known, and in a grasp. */
+double ss_local_contact_room(const ss_local_contact *local, const double p[3], double limit,
+                             double out_outward[3]);
 /* Static stiffness tensor of the contacts (all, or those with force) and of a grasp. */
 void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active, double out[3][3]);
+/* n.(A n) of those with force. */
+double ss_local_contact_stiffness_along(const ss_local_contact *local, const double n[3]);
 /* Of what has force, over a span of `seconds`: the law's within a result, the model's own over
  * many.
  */

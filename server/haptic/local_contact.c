@@ -344,6 +344,17 @@ void ss_local_contact_stiffness(const ss_local_contact *local, bool only_active,
     }
 }
 
+double ss_local_contact_stiffness_along(const ss_local_contact *local, const double n[3])
+{
+    double tissue[3][3];
+    double k = 0.0;
+    ss_local_contact_stiffness(local, true, tissue);
+    for (int r = 0; r < 3; ++r) {
+        k += n[r] * ss_dot3(tissue[r], n);
+    }
+    return k;
+}
+
 void ss_local_contact_tangent(const ss_local_contact *local, double seconds, double out[3][3])
 {
     /* Within a result the law errs high; the next one takes that back. */
@@ -384,6 +395,32 @@ bool ss_local_contact_surface(const ss_local_contact *local, const double x[3],
         }
     }
     return deepest >= 0;
+}
+
+/* Of the contacts that push together; where none does yet, of the one that leaves the least. */
+double ss_local_contact_room(const ss_local_contact *local, const double p[3], double limit,
+                             double out_outward[3])
+{
+    double force[3] = {0.0, 0.0, 0.0}, room = INFINITY;
+    ss_set3(out_outward, 0.0, 0.0, 0.0);
+    for (int32_t i = 0; i < local->count && !local->grasp.is_held; ++i) {
+        const ss_local_contact_point *c = &local->contact[i];
+        double way[3];
+        ss_sub3(way, p, local->proxy);
+        const double said = c->force - c->stiffness * ss_dot3(c->normal, way);
+        const double left = fmax(0.0, (limit - said) / c->stiffness);
+        ss_madd3(force, force, c->last_force, c->direction);
+        if (left < room) {
+            room = left;
+            ss_copy3(out_outward, c->normal);
+        }
+    }
+    const double size = ss_norm3(force);
+    if (size > 0.0) {
+        ss_scale3(out_outward, force, 1.0 / size);
+        room = fmax(0.0, limit - size) / ss_local_contact_stiffness_along(local, out_outward);
+    }
+    return room;
 }
 
 /* The old contact that a new one continues: the nearest that looks the same way; -1 none. */

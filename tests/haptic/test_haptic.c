@@ -493,6 +493,31 @@ TEST(a_proxy_that_the_tissue_holds_back_is_predicted_so)
     rig_end(&r);
 }
 
+/* A hand comes at 2 m/s to tissue of which one result told, 12 mm away: the tool of a 60 Hz
+ * simulation goes to where that answers with the limit and no further, whenever the step begins. */
+TEST(no_tool_is_predicted_beyond_the_limit)
+{
+    const double k = 1000.0, limit = 1.0, way = 2e-3;
+    ss_haptic_config config = default_config();
+    config.max_force = limit;
+    rig r;
+    double deepest = 0.0;
+    rig_start(&r, &config);
+    rig_tick(&r, 6.0 * way);
+    rig_result(&r, k, -6.0 * way, 1);
+    r.pose.velocity[2] = -way / T;
+    for (int i = 5; i >= -8; --i) {
+        double p[3];
+        rig_tick(&r, i * way);
+        ss_haptic_predict(&r.out.target, 1.0, 1.0 / 60.0, p);
+        deepest = fmax(deepest, -p[2]);
+    }
+    assert_near(ss_norm3(r.out.force.force), limit, 1e-6);
+    assert_true(deepest <= limit / k);
+    assert_true(deepest >= 0.75 * limit / k); /* what is near errs high */
+    rig_end(&r);
+}
+
 /* The coupling follows the tissue, not how old its results are: a press is held with one force. */
 TEST(slow_results_leave_the_coupling_as_it_is)
 {
