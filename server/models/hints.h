@@ -69,7 +69,8 @@ typedef struct ss_hints_variant {
     const char *text;    /* choices, as they stand in the scene */
     bool is_surface;     /* it has no use for what is inside */
     bool is_plastic;     /* it keeps the shape that it was given */
-    bool books_own_work; /* what it does by itself is booked as work: unloading */
+    bool books_own_work; /* its work is not F.du of the file's nodes: what it does by itself is
+                            booked (unloading), or loads rest on nodes of its own besides */
     ss_hints_knob knob[SS_HINTS_MAX_KNOBS];
 } ss_hints_variant;
 

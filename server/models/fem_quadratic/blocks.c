@@ -85,7 +85,6 @@ void ss_quadratic_shape(const ss_quadratic_point *point, int q, double out[SS_QU
 typedef struct source {
     const ss_quadratic_raised *raised;
     const ss_fem_material *material;
-    const ss_quadratic_masses *masses;
     ss_quadratic_blocks *blocks;
 } source;
 
@@ -119,8 +118,6 @@ static void fill(const source *from, int32_t e, ptrdiff_t b, int lane)
     }
     ss_real *modulus = blocks->modulus + b * SS_QUADRATIC_MODULI * SS_FEM_LANES + lane;
     modulus[2 * SS_FEM_LANES] = (ss_real)(volume * (material->lambda[e] - material->lambda_own[e]));
-    const double inertia = from->masses->element[e] * from->masses->bound;
-    blocks->light[b * SS_FEM_LANES + lane] = inertia > 0.0 ? (ss_real)(1.0 / inertia) : 0;
     const ss_fem_moduli moduli = ss_fem_moduli_of(material);
     ss_fem_put_moduli(&moduli, e, volume, modulus, blocks->kappa + b * SS_FEM_LANES + lane,
                       blocks->viscosity ? blocks->viscosity + b * 2 * SS_FEM_LANES + lane : NULL);
@@ -154,7 +151,7 @@ static bool reserve(bool is_viscous, ss_arena *arena, ss_quadratic_blocks *out)
                   SS_ROOM(values * SS_QUADRATIC_MODULI, out->modulus));
     out->viscosity = is_viscous ? ss_arena_get(arena, values * 2, sizeof *out->viscosity) : NULL;
     out->kappa = ss_arena_get(arena, values, sizeof *out->kappa);
-    out->light = ss_arena_get(arena, values, sizeof *out->light);
+    out->light = ss_arena_get(arena, values * SS_QUADRATIC_NODES, sizeof *out->light);
     out->element = ss_arena_get(arena, values, sizeof *out->element);
     if (ss_arena_status(arena) != SOFTSIM_OK) {
         return false;
@@ -164,8 +161,7 @@ static bool reserve(bool is_viscous, ss_arena *arena, ss_quadratic_blocks *out)
 }
 
 bool ss_quadratic_blocks_create(const ss_quadratic_raised *raised, const ss_fem_material *material,
-                                const ss_quadratic_masses *masses, ss_arena *arena,
-                                ss_quadratic_blocks *out)
+                                ss_arena *arena, ss_quadratic_blocks *out)
 {
     const int32_t elements = raised->mesh.tetrahedron_count;
     int32_t *list = ss_memory_get((size_t)elements, sizeof *list); /* straight, then curved ones */
@@ -186,7 +182,7 @@ bool ss_quadratic_blocks_create(const ss_quadratic_raised *raised, const ss_fem_
                                  .node_count = raised->mesh.node_count};
     const bool is_good = reserve(material->phi != NULL, arena, out);
     if (is_good) {
-        const source from = {raised, material, masses, out};
+        const source from = {raised, material, out};
         deal(&from, list, straight, 0, out->straight_count);
         deal(&from, list + straight, curved, out->straight_count, out->count);
     }

@@ -428,7 +428,7 @@ SS_INLINE void rate_block(ss_tissue_kind kind, bool is_curved, const ss_quadrati
 {
     const cell c = cell_at(pass->blocks, is_curved, false, block, lane);
     const ptrdiff_t first = (ptrdiff_t)block * LANES + lane;
-    const ss_wide light = ss_wide_load(pass->blocks->light + first);
+    const ss_real *light = pass->blocks->light + (ptrdiff_t)block * NODES * LANES + lane;
     ss_real *mode = pass->mode + (ptrdiff_t)block * NODES * 3 * LANES + lane;
     nodal u, x;
     columns f;
@@ -449,7 +449,7 @@ SS_INLINE void rate_block(ss_tissue_kind kind, bool is_curved, const ss_quadrati
         }
         for (int n = 0; n < NODES; ++n) {
             const ss_wide force = y[n][i];
-            y[n][i] = all(n < 4 ? 36.0 : 27.0 / 4.0) * light * force;
+            y[n][i] = ss_wide_load(light + LANES * n) * force;
             quotient = ss_wide_fma(ss_wide_load(mode + (3 * n + i) * LANES), force, quotient);
             square = ss_wide_fma(y[n][i], force, square);
         }

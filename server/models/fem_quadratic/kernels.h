@@ -33,7 +33,7 @@ typedef struct ss_quadratic_blocks {
     ss_real *modulus;   /* [count][3][8]: V lambda_own, V mu, V (lambda - lambda_own), J */
     ss_real *viscosity; /* [count][2][8]: V phi, V psi, J s; NULL without viscosity */
     ss_real *kappa;     /* [count][8]: V (lambda + 2 mu), J; the guard's */
-    ss_real *light;     /* [count][8]: 1 / (mass omega^2), s^2/kg in units of an omega^2 at rest */
+    ss_real *light;     /* [count][10][8]: 1 / (mass omega^2), s^2/kg: of a node's part, at rest */
     int32_t *element;   /* [count][8]: number in the mesh; -1 in spare lanes */
 } ss_quadratic_blocks;
 

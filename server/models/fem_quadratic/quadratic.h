@@ -16,7 +16,7 @@
 #include "models/fem_quadratic/kernels.h"
 
 /* Sub-steps take this share of the stable step. */
-#define SS_QUADRATIC_STEP_SHARE 0.75
+#define SS_QUADRATIC_STEP_SHARE 0.85
 
 /* ---- raise.c ---- */
 
@@ -53,29 +53,27 @@ bool ss_quadratic_points(const ss_mesh *mesh, const int32_t node[SS_QUADRATIC_NO
 /* Gradients of the ten shape functions at Gauss point q. */
 void ss_quadratic_shape(const ss_quadratic_point *point, int q, double out[SS_QUADRATIC_NODES][3]);
 
+/* In the order of kernels.h, but for `light`; false when out of memory. */
+bool ss_quadratic_blocks_create(const ss_quadratic_raised *raised, const ss_fem_material *material,
+                                ss_arena *arena, ss_quadratic_blocks *out);
+
 /* ---- mass.c ---- */
 
 typedef struct ss_quadratic_masses {
     double *mass;       /* kg, of every node of the raised mesh */
     double *added;      /* kg of it that was added, and has no weight */
-    double *element;    /* kg, of every element, with what was added */
     double bound;       /* 1/s^2, the largest omega^2 of an element: none of the body's is larger */
     double plain_bound; /* the same before mass was added */
     double added_share; /* of the whole mass */
     int32_t scaled_count;
 } ss_quadratic_masses;
 
-/* Adds at most `most` of the whole mass to the elements with the shortest step. */
+/* Adds at most `most` of the whole mass to the elements with the shortest step; sets `light`, in
+ * units of the bound. */
 softsim_status ss_quadratic_masses_create(const ss_quadratic_raised *raised,
                                           const ss_fem_material *material, double most,
-                                          ss_arena *arena, ss_quadratic_masses *out);
-
-/* ---- blocks.c, again ---- */
-
-/* In the order of kernels.h; false when out of memory. */
-bool ss_quadratic_blocks_create(const ss_quadratic_raised *raised, const ss_fem_material *material,
-                                const ss_quadratic_masses *masses, ss_arena *arena,
-                                ss_quadratic_blocks *out);
+                                          ss_quadratic_blocks *blocks, ss_arena *arena,
+                                          ss_quadratic_masses *out);
 
 /* ---- skin.c ---- */
 
@@ -109,6 +107,9 @@ double ss_quadratic_skin_rate2(void *owner, int32_t count, const int32_t *node,
 
 /* ---- stability.c ---- */
 
+/* -1 to 1. */
+double ss_quadratic_random(uint64_t *seed);
+
 typedef struct ss_quadratic_stability {
     double bound;              /* 1/s^2, of any element at rest */
     double rest_rate2;         /* omega_max^2 at rest, from above, 1/s^2 */
@@ -129,6 +130,7 @@ typedef struct ss_quadratic_stability {
 typedef struct ss_quadratic {
     const ss_quadratic_kernels *kernels;
     ss_quadratic_blocks blocks;
+    ss_quadratic_masses masses;
     ss_quadratic_stability stability;
     ss_tissue_kind kind;
     ss_body_integrator integrator;
@@ -138,9 +140,9 @@ typedef struct ss_quadratic {
     ss_quadratic_skin *skin;           /* the owner's; NULL without tools */
 } ss_quadratic;
 
+/* `most`: see ss_quadratic_masses_create. */
 softsim_status ss_quadratic_create(const ss_quadratic_raised *raised,
-                                   const ss_fem_material *material,
-                                   const ss_quadratic_masses *masses, ss_arena *arena,
+                                   const ss_fem_material *material, double most, ss_arena *arena,
                                    ss_quadratic *out);
 /* s, at rest. */
 double ss_quadratic_rest_step(const ss_quadratic *quadratic);

@@ -16,7 +16,6 @@ typedef struct open_body {
     ss_arena arena;
     ss_fem_material material;
     ss_quadratic_raised raised;
-    ss_quadratic_masses masses;
     ss_quadratic own;
 } open_body;
 
@@ -41,10 +40,7 @@ static inline void open_init(open_body *b, ss_mesh *mesh, int kind, double ratio
     for (int32_t i = b->raised.corner_count; i < b->raised.mesh.node_count; ++i) {
         b->raised.mesh.position[i][0] += bend * random_unit();
     }
-    assert_int_equal(
-        ss_quadratic_masses_create(&b->raised, &b->material, 0.0, &b->arena, &b->masses),
-        SOFTSIM_OK);
-    assert_int_equal(ss_quadratic_create(&b->raised, &b->material, &b->masses, &b->arena, &b->own),
+    assert_int_equal(ss_quadratic_create(&b->raised, &b->material, 0.0, &b->arena, &b->own),
                      SOFTSIM_OK);
 }
 
