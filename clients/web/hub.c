@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "indentation.h"
+#include "process.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
@@ -456,6 +457,8 @@ static void *run(void *argument)
 {
     ss_hub *hub = argument;
     int64_t pose_ns = 0;
+    /* As a bridge has: poses that come late are refused, and the force is let go. */
+    (void)ss_process_raise_priority();
     while (!atomic_load(&hub->is_ending)) {
         int64_t now_ns = softsim_client_now_ns();
         send_commands(hub);
@@ -513,7 +516,11 @@ softsim_status ss_hub_open(const ss_hub_config *config, ss_hub **out_hub, softsi
     }
     hub->config = *config;
     hub->start_ns = softsim_client_now_ns();
-    pthread_mutex_init(&hub->lock, NULL);
+    pthread_mutexattr_t lock; /* whom the hub's thread waits for goes on at its priority */
+    pthread_mutexattr_init(&lock);
+    pthread_mutexattr_setprotocol(&lock, PTHREAD_PRIO_INHERIT);
+    pthread_mutex_init(&hub->lock, &lock);
+    pthread_mutexattr_destroy(&lock);
     const softsim_client_config client = {.lcm_url = config->lcm_url,
                                           .prefix = config->prefix,
                                           .context = hub,

@@ -6,42 +6,12 @@
 // limit but one against hanging.
 //   node test_page.mjs PAGE_FOLDER ADDRESS PICTURE_FOLDER
 import assert from 'node:assert/strict';
-import { pathToFileURL } from 'node:url';
+import { launch, onScreen, open, until } from './chromium.mjs';
 
 const [pageFolder, address, pictures] = process.argv.slice(2);
-const { chromium } = await import(pathToFileURL(`${pageFolder}/node_modules/playwright-core/index.mjs`));
-const HANG_MS = 240000;
-
-const browser = await chromium.launch({
-  executablePath: '/usr/bin/chromium',
-  args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
-    '--disable-sync', '--disable-dev-shm-usage', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
-});
+const browser = await launch(pageFolder);
 const faults = [];
-
-async function open(options) {
-  const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, ...options });
-  page.setDefaultTimeout(HANG_MS);
-  page.on('pageerror', (error) => faults.push(error.message));
-  page.on('console', (message) => { if (message.type() === 'error') faults.push(message.text()); });
-  await page.goto(address);
-  await page.waitForFunction(() => document.title === 'softsim: live');
-  await page.waitForFunction(() => softsim.tools.size > 0);
-  return page;
-}
-
-const until = (page, claim) => page.waitForFunction(claim, null, { timeout: HANG_MS });
-
-// Where the upper face of the kidney is on the screen.
-async function target(page) {
-  return page.evaluate(() => {
-    const { camera, body } = softsim;
-    const place = body.sphere.center.clone();
-    place.set(0, 0.006, 0.022).project(camera);
-    const box = document.getElementById('view').getBoundingClientRect();
-    return [box.left + ((place.x + 1) / 2) * box.width, box.top + ((1 - place.y) / 2) * box.height];
-  });
-}
+const UPPER_FACE = [0, 0.006, 0.022]; // of the kidney
 
 // Pixels of the canvas that are not the background.
 const drawn = (page) => page.evaluate(() => {
@@ -58,13 +28,13 @@ const drawn = (page) => page.evaluate(() => {
   return count / (data.length / 4);
 });
 
-const page = await open({ colorScheme: 'light' });
+const page = await open(browser, address, { colorScheme: 'light' }, faults);
 assert.ok((await drawn(page)) > 0.05, 'a body is drawn');
 assert.match(await page.textContent('#scene-name'), /^kidney\.yaml · cnn-energy$/);
 
 await page.click('#record');
 await until(page, () => document.getElementById('record').textContent === 'Stop');
-const [x, y] = await target(page);
+const [x, y] = await onScreen(page, UPPER_FACE);
 await page.mouse.move(x, y);
 await page.mouse.down();
 await until(page, () => softsim.state.force > 0.2 && Math.max(...softsim.body.count) > 20);
@@ -74,6 +44,25 @@ await page.selectOption('#colour', 'displacement');
 await until(page, () => !document.getElementById('legend').hidden);
 await page.screenshot({ path: `${pictures}/press.png` });
 await page.mouse.up();
+await until(page, () => softsim.body.count.every((c) => Math.abs(c) <= 2));
+await until(page, () => softsim.hand.press === null);
+
+// A tool that nobody moves is not shown any more, and may be had again: the first of the two.
+await until(page, () => [...softsim.tools.values()].every((tool) => !tool.visible));
+
+// Shift grasps: drawn outward, the hand is pulled back; let go, the body is at rest again.
+await page.mouse.move(x, y);
+await page.mouse.down();
+await until(page, () => softsim.state.force > 0.2);
+assert.equal(await page.evaluate(() => softsim.hand.tool.description.probe), 0);
+await page.keyboard.down('Shift');
+await until(page, () => [...softsim.tools.values()].some((tool) => ((tool.state?.flags ?? 0) & 128) !== 0));
+await page.mouse.move(x, y - 60, { steps: 10 });
+await until(page, () => [...softsim.tools.values()].some((tool) => ((tool.state?.flags ?? 0) & 128) !== 0 && tool.state.force[2] < -0.3));
+assert.ok(await page.evaluate(() => Math.max(...softsim.body.count) > 20), 'a grasp pulls the body');
+await page.mouse.up();
+await page.keyboard.up('Shift');
+await until(page, () => [...softsim.tools.values()].every((tool) => ((tool.state?.flags ?? 0) & 128) === 0 || !tool.visible));
 await until(page, () => softsim.body.count.every((c) => Math.abs(c) <= 2));
 await until(page, () => softsim.hand.press === null);
 await page.click('#record');
@@ -101,7 +90,7 @@ for (const id of ['show-edges', 'show-ghost']) await page.check(`#${id}`);
 await page.keyboard.press('Escape');
 
 // A second browser watches while the first one holds the probe; a phone and the dark page draw.
-const phone = await open({ viewport: { width: 390, height: 780 }, colorScheme: 'dark', hasTouch: true });
+const phone = await open(browser, address, { viewport: { width: 390, height: 780 }, colorScheme: 'dark', hasTouch: true }, faults);
 assert.ok((await drawn(phone)) > 0.03, 'a body is drawn on a phone');
 const width = await phone.evaluate(() => document.documentElement.scrollWidth);
 assert.ok(width <= 390, `the page is ${width} wide on a phone of 390`);
@@ -115,4 +104,4 @@ await until(phone, () => softsim.state.isOthers === false);
 
 assert.deepEqual(faults, []);
 await browser.close();
-console.log('test_page: the page shows, pushes, lets go, pauses, resets, sets and records');
+console.log('test_page: the page shows, pushes, lets go, grasps, pauses, resets, sets and records');

@@ -2,8 +2,47 @@
 // shape as a ghost and its fixed nodes.
 import * as THREE from 'three';
 import { paint } from './colours.js';
+import { splitCreases } from './creases.js';
 
+const SHARP_DEGREES = 40, PIN_SHARE = 0.004;
 const TISSUE = new THREE.Color(0xb5574a);
+
+// A round dot to be drawn as a point, seen on every colour.
+function dot() {
+  const canvas = document.createElement('canvas');
+  canvas.width = canvas.height = 32;
+  const context = canvas.getContext('2d');
+  for (const [colour, radius] of [['#ffffff', 15], ['#2f6fb0', 10]]) {
+    context.fillStyle = colour;
+    context.beginPath();
+    context.arc(16, 16, radius, 0, 2 * Math.PI);
+    context.fill();
+  }
+  const texture = new THREE.CanvasTexture(canvas);
+  texture.colorSpace = THREE.SRGBColorSpace;
+  return texture;
+}
+
+// Seen where it turns away from the eye, so that what is behind or before it stays what it is.
+function glass() {
+  return new THREE.ShaderMaterial({
+    transparent: true, depthWrite: false, uniforms: { colour: { value: new THREE.Color(0x6f8fb0) } },
+    vertexShader: `varying vec3 n, v;
+      void main() {
+        vec4 place = modelViewMatrix * vec4(position, 1.0);
+        n = normalMatrix * normal;
+        v = -place.xyz;
+        gl_Position = projectionMatrix * place;
+      }`,
+    fragmentShader: `uniform vec3 colour;
+      varying vec3 n, v;
+      void main() {
+        float away = 1.0 - abs(dot(normalize(n), normalize(v)));
+        gl_FragColor = vec4(colour, 0.04 + 0.75 * away * away * away);
+        #include <colorspace_fragment>
+      }`,
+  });
+}
 
 export class Body extends THREE.Group {
   constructor() {
@@ -26,11 +65,16 @@ export class Body extends THREE.Group {
     this.count = new Int16Array(3 * nodes);
     this.value = new Float32Array(nodes); // of the colouring
     this.field = null;
-    const indices = new THREE.BufferAttribute(index, 1);
+    const split = splitCreases(rest, index, nodes, SHARP_DEGREES);
+    const vertices = split.nodeOf.length, indices = new THREE.BufferAttribute(split.index, 1);
+    this.nodeOf = split.nodeOf; // of a vertex
+    const restOf = new Float32Array(3 * vertices);
+    split.nodeOf.forEach((node, v) => restOf.set(rest.subarray(3 * node, 3 * node + 3), 3 * v));
+    const attribute = () => new THREE.BufferAttribute(new Float32Array(3 * vertices), 3).setUsage(THREE.DynamicDrawUsage);
     this.geometry = new THREE.BufferGeometry();
-    this.position3 = new THREE.BufferAttribute(rest.slice(), 3).setUsage(THREE.DynamicDrawUsage);
-    this.normal3 = new THREE.BufferAttribute(new Float32Array(3 * nodes), 3).setUsage(THREE.DynamicDrawUsage);
-    this.colour3 = new THREE.BufferAttribute(new Float32Array(3 * nodes), 3).setUsage(THREE.DynamicDrawUsage);
+    this.position3 = attribute();
+    this.normal3 = attribute();
+    this.colour3 = attribute();
     this.geometry.setIndex(indices);
     this.geometry.setAttribute('position', this.position3);
     this.geometry.setAttribute('normal', this.normal3);
@@ -40,41 +84,44 @@ export class Body extends THREE.Group {
 
     const restGeometry = new THREE.BufferGeometry();
     restGeometry.setIndex(indices);
-    restGeometry.setAttribute('position', new THREE.BufferAttribute(rest, 3));
+    restGeometry.setAttribute('position', new THREE.BufferAttribute(restOf, 3));
     restGeometry.computeVertexNormals();
     restGeometry.computeBoundingSphere();
     restGeometry.computeBoundingBox();
-    this.ghost = new THREE.Mesh(restGeometry, new THREE.MeshStandardMaterial({
-      color: 0x8aa0b4, transparent: true, opacity: 0.22, depthWrite: false, roughness: 1,
-    }));
+    this.ghost = new THREE.Mesh(restGeometry, glass());
+    this.target = new THREE.Mesh(restGeometry); // for the pointer; never drawn
     this.edges = new THREE.Mesh(this.geometry, new THREE.MeshBasicMaterial({
       color: 0x202830, wireframe: true, transparent: true, opacity: 0.28,
     }));
     this.edges.frustumCulled = false;
-    const fixed = [];
-    for (let i = 0; i < nodes; ++i) {
-      if (flag[i] & 1) fixed.push(rest[3 * i], rest[3 * i + 1], rest[3 * i + 2]);
-    }
-    const pins = new THREE.BufferGeometry();
-    pins.setAttribute('position', new THREE.Float32BufferAttribute(fixed, 3));
     this.sphere = restGeometry.boundingSphere;
     this.diagonal = restGeometry.boundingBox.getSize(new THREE.Vector3()).length();
-    this.fixed = new THREE.Points(pins, new THREE.PointsMaterial({ color: 0x2f6fb0, size: 4, sizeAttenuation: false }));
+    this.fixed = this.makePins(restOf, restGeometry.attributes.normal.array, flag);
     this.add(this.mesh, this.ghost, this.edges, this.fixed);
     this.isPresent = true;
     this.isChanged = true;
     this.setColouring(this.colouring);
   }
 
+  // A dot a little off the surface for each node that is held.
+  makePins(restOf, normal, flag) {
+    const place = [], isDone = new Set();
+    this.nodeOf.forEach((node, v) => {
+      if (!(flag[node] & 1) || isDone.has(node)) return;
+      isDone.add(node);
+      for (let d = 0; d < 3; ++d) place.push(restOf[3 * v + d] + PIN_SHARE * this.diagonal * normal[3 * v + d]);
+    });
+    const pins = new THREE.BufferGeometry();
+    pins.setAttribute('position', new THREE.Float32BufferAttribute(place, 3));
+    return new THREE.Points(pins, new THREE.PointsMaterial({
+      size: 6, sizeAttenuation: false, map: dot(), alphaTest: 0.5,
+    }));
+  }
+
   takeDelta({ node, displacement }) {
     if (!this.isPresent) return;
-    const position = this.position3.array, rest = this.restPosition, count = this.count;
     for (let k = 0; k < node.length; ++k) {
-      for (let d = 0; d < 3; ++d) {
-        const i = 3 * node[k] + d;
-        count[i] = displacement[3 * k + d];
-        position[i] = rest[i] + this.scaleOfCount * count[i];
-      }
+      for (let d = 0; d < 3; ++d) this.count[3 * node[k] + d] = displacement[3 * k + d];
     }
     this.isChanged = true;
   }
@@ -89,7 +136,15 @@ export class Body extends THREE.Group {
     this.isChanged = true;
   }
 
-  // Area-weighted normals at nodes: the sum of the cross products of their triangles.
+  computePositions() {
+    const position = this.position3.array, rest = this.restPosition, count = this.count, scale = this.scaleOfCount;
+    this.nodeOf.forEach((node, v) => {
+      for (let d = 0; d < 3; ++d) position[3 * v + d] = rest[3 * node + d] + scale * count[3 * node + d];
+    });
+    this.position3.needsUpdate = true;
+  }
+
+  // Area-weighted normals at vertices: the sum of the cross products of their triangles.
   computeNormals() {
     const p = this.position3.array, n = this.normal3.array, index = this.geometry.index.array;
     n.fill(0);
@@ -133,12 +188,12 @@ export class Body extends THREE.Group {
   update() {
     if (!this.isPresent || !this.isChanged) return undefined;
     this.isChanged = false;
-    this.position3.needsUpdate = true;
+    this.computePositions();
     this.computeNormals();
     const range = this.computeValues();
     const colour = this.colour3.array;
     if (range) {
-      paint(this.value, range.low, range.high, colour);
+      paint(this.value, this.nodeOf, range.low, range.high, colour);
     } else {
       for (let i = 0; i < colour.length; i += 3) {
         colour[i] = TISSUE.r; colour[i + 1] = TISSUE.g; colour[i + 2] = TISSUE.b;

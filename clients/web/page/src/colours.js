@@ -1,5 +1,5 @@
 // Colour maps of equal steps in lightness, by few colours; between them straight lines.
-const SEQUENCE = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+const SEQUENCE = [[84, 84, 168], [52, 112, 158], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 const DIVERGING = [[33, 82, 150], [120, 165, 205], [236, 236, 232], [224, 150, 110], [160, 40, 40]];
 
 function linear(channel) {
@@ -26,11 +26,12 @@ export function mapOf(low, high) {
   return low < 0 && high > 0 ? MAPS.diverging : MAPS.sequence;
 }
 
-export function paint(values, low, high, colour) {
+// A colour per vertex from the value of its node.
+export function paint(values, nodeOf, low, high, colour) {
   const { out } = mapOf(low, high);
   const scale = 255 / Math.max(high - low, 1e-30);
-  for (let i = 0; i < values.length; ++i) {
-    const k = 3 * Math.max(0, Math.min(255, Math.round((values[i] - low) * scale)));
+  for (let i = 0; i < nodeOf.length; ++i) {
+    const k = 3 * Math.max(0, Math.min(255, Math.round((values[nodeOf[i]] - low) * scale)));
     colour[3 * i] = out[k];
     colour[3 * i + 1] = out[k + 1];
     colour[3 * i + 2] = out[k + 2];

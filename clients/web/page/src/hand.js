@@ -5,7 +5,7 @@
 // pointer in the plane of the view.
 import * as THREE from 'three';
 
-const RISE_S = 0.18, LEAVE_S = 0.25, DEPTH_SHARE = 0.045, OUTSIDE_SHARE = 0.03;
+const RISE_S = 0.18, LEAVE_S = 0.25, ARRIVE_S = 0.1, DEPTH_SHARE = 0.045, OUTSIDE_SHARE = 0.03;
 
 export class Hand {
   constructor(canvas, camera, body, tools, link) {
@@ -28,7 +28,7 @@ export class Hand {
   hit() {
     if (!this.body.isPresent) return null;
     this.raycaster.setFromCamera(this.pointer, this.camera);
-    return this.raycaster.intersectObject(this.body.ghost, false)[0] ?? null;
+    return this.raycaster.intersectObject(this.body.target, false)[0] ?? null;
   }
 
   // The first tool that nobody moves, else the first of all.
@@ -88,10 +88,11 @@ export class Hand {
     const now = performance.now(), diagonal = this.body.diagonal;
     const direction = this.camera.getWorldDirection(new THREE.Vector3());
     const pressed = (now - press.start) / 1000, left = press.left ? (now - press.left) / 1000 : 0;
-    if (left > LEAVE_S) {
+    if (press.outside && now - press.outside > 1000 * ARRIVE_S) {
       this.cancel();
       return;
     }
+    if (left > LEAVE_S) press.outside ??= now; // told below, however seldom this is drawn
     if (!press.left) {
       this.follow(press, direction);
       press.isGrasping = press.isGrasping ? this.isShift : this.isShift && pressed > 1.5 * RISE_S;

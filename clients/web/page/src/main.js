@@ -25,11 +25,11 @@ const panel = new Panel(link, { onColour: (name) => { body.setColouring(name); }
 const state = { maxForce: 8, frames: 0, isFramed: false, force: 0 };
 
 orbit.enableDamping = true;
-scene.add(body, new THREE.HemisphereLight(0xffffff, 0x5a6470, 1.5));
-const sun = new THREE.DirectionalLight(0xffffff, 2.2), fill = new THREE.DirectionalLight(0xcfe4ff, 0.7);
+scene.add(body, new THREE.HemisphereLight(0xffffff, 0x98a2ae, 1.9));
+const sun = new THREE.DirectionalLight(0xffffff, 1.9), fill = new THREE.DirectionalLight(0xcfe4ff, 1.1);
 camera.add(sun, fill);
 sun.position.set(-0.6, 1, 0.6);
-fill.position.set(1, -0.3, 0.4);
+fill.position.set(1, -0.2, 0.8);
 scene.add(camera);
 
 // ---- camera ----
@@ -103,7 +103,7 @@ link.on('force', (force) => {
   const tool = tools.get(force.probe);
   if (!tool || !body.isPresent) return;
   tool.take(force, body.diagonal, state.maxForce);
-  tool.visible = true;
+  tool.update($('show-force').checked);
   if (tool === felt()) {
     plots.takeSamples(force.samples);
     state.force = Math.hypot(...force.force);
@@ -234,4 +234,4 @@ renderer.setAnimationLoop((now) => {
 });
 
 // For tests and the curious: what is drawn, in numbers.
-window.softsim = { body, camera, hand, link, plots, renderer, state, tools };
+window.softsim = { body, camera, hand, link, orbit, plots, renderer, state, tools };

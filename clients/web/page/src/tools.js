@@ -30,7 +30,7 @@ export function toolReach({ form, size, hull }) {
   }
 }
 
-const STILL_S = 0.5;
+const STILL_S = 0.5, STALE = 16; // forces go on when nobody sends poses any more
 
 export class Tool extends THREE.Group {
   constructor(description) {
@@ -40,6 +40,7 @@ export class Tool extends THREE.Group {
     const geometry = toolGeometry(description);
     this.probeMesh = new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({
       color: 0x6f8296, transparent: true, opacity: 0.35, roughness: 0.4, depthWrite: false,
+      polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2, // behind the proxy where both are
     }));
     this.proxyMesh = new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({
       color: 0xd9dee3, roughness: 0.25, metalness: 0.55,
@@ -55,7 +56,7 @@ export class Tool extends THREE.Group {
 
   take(state, diagonal, newtonsAcross) {
     this.state = state;
-    this.heard = performance.now();
+    if ((state.flags & STALE) === 0) this.heard = performance.now();
     const [w, x, y, z] = state.orientation;
     const isTouching = (state.flags & 1) !== 0;
     for (const [mesh, place] of [[this.probeMesh, state.position], [this.proxyMesh, isTouching ? state.proxy : state.position]]) {
