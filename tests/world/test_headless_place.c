@@ -278,12 +278,14 @@ TEST(a_tool_that_is_pulled_out_is_let_go)
                                          "cylinder-grid",
                                          "kidney-nodule",
                                          "kidney-anisotropic",
+                                         "kidney-tissue",
+                                         "liver-tissue",
                                          "hm1"};
     static const int stays[] = {250, 100, 450, 520};
     const int stay_count = FULL_IN_LONG_RUN(4, 1);
     bool is_good = true;
     double most = 0.0;
-    for (int k = 0; k < FULL_IN_LONG_RUN(14, 13); ++k) { /* the last is large, and hardly felt */
+    for (int k = 0; k < FULL_IN_LONG_RUN(16, 15); ++k) { /* the last is large, and hardly felt */
         for (int n = k; n < k + stay_count; ++n) {
             const escape one = pull_out(scenes[k], stays[n % 4]);
             const bool is_one = one.inward <= 0.0 && one.late == 0;
