@@ -41,7 +41,8 @@
 #include "rt/vec.h"
 
 /* s, at the end of a step: the hand is told the mean force over it, each sub-step by its mean at
- * both ends, as work is booked. A stiff contact swings two or three times in it. */
+ * both ends, as work is booked. A stiff contact swings two or three times in it. Of implicit
+ * contact the force at the sub-step's end is the one that acted all through it. */
 #define MEAN_TIME 1e-3
 /* Edges that a node may go in an explicit sub-step. */
 #define MAX_EDGES 0.2
@@ -354,13 +355,13 @@ static bool substep(ss_body *body, ss_substeps *p)
     body->path = p->path;
     place_prescribed(body, p->path, fraction, h, true);
     book_load(body, 0.5 * h * ss_body_prescribed_power(body));
+    const double told = fmin(h, fmax(0.0, MEAN_TIME - (p->left - h)));
     if (has_implicit_contact(body)) {
         move_tools(body, next);
     } else {
         body->work += 0.5 * fraction * ss_tools_work(&body->tools);
+        ss_tools_add_mean(&body->tools, 0.5 * told);
     }
-    const double told = 0.5 * fmin(h, fmax(0.0, MEAN_TIME - (p->left - h)));
-    ss_tools_add_mean(&body->tools, told);
     const bool is_finite = advance(body, h, p->path, fraction, next);
     place_prescribed(body, next, fraction, h, false);
     ss_tools_fade(&body->tools, h);
@@ -372,7 +373,7 @@ static bool substep(ss_body *body, ss_substeps *p)
     p->path = next;
     if (is_finite) {
         evaluate(body, next, !has_step_left(p));
-        ss_tools_add_mean(&body->tools, told);
+        ss_tools_add_mean(&body->tools, (has_implicit_contact(body) ? 1.0 : 0.5) * told);
         ss_tools_accept_fade(&body->tools, true, &body->dissipated);
         book_load(body, 0.5 * h * ss_body_prescribed_power(body));
         if (!has_implicit_contact(body)) {
