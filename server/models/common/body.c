@@ -390,7 +390,8 @@ void ss_body_reset(ss_body *body)
     ss_body_loads_reset(body);
     body->step = 0;
     body->substeps = 0;
-    body->work = body->load_work = body->dissipated = body->pool = 0.0;
+    body->work = body->load_work = body->dissipated = 0.0;
+    body->pool = body->removed = 0.0;
     body->kinetic = body->elastic = body->shadow = body->power = 0.0;
     body->nodes.kick_lag = body->booked_lag = 0.0;
     body->is_ready = body->has_elastic = false;

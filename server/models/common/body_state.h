@@ -64,6 +64,7 @@ struct ss_body {
     bool is_slowed, was_slowed; /* nodes, in the last step and the one before */
     double speed_limit_loss;    /* J, to the limit of speeds in this outer step */
     double pool;                /* J: gains of the last tenth of a second or so, losses taken off */
+    double removed;             /* of the energy: what was taken out again in that time */
     double path;                /* 0..1 of the tools' way, where the sub-step began */
     /* derived; valid while is_ready */
     bool is_ready, has_elastic;  /* forces at the present state; the law's among them */

@@ -393,6 +393,32 @@ TEST(energy_from_nowhere_is_taken_out_and_said)
     bench_fini(&b);
 }
 
+/* At its fastest it is pushed on as above for `count` steps of 1 ms, each of which gives it 3 % of
+ * its energy, 2 c dt / m; the worst that is told. */
+static softsim_verdict pushed_on(int count)
+{
+    bench b;
+    softsim_verdict worst = SOFTSIM_VERDICT_GOOD;
+    bench_init(&b);
+    bench_make(&b);
+    shift(&b, 5e-3);
+    run(&b, 28, 1e-3, NULL);
+    for (int k = 0; k < 100; ++k) {
+        b.law.damping = k < count ? -0.05 : 0.0;
+        run(&b, 1, 1e-3, NULL);
+        worst = told(&b).verdict > worst ? told(&b).verdict : worst;
+    }
+    bench_fini(&b);
+    return worst;
+}
+
+TEST(a_little_energy_from_nowhere_is_guarded)
+{
+    assert_int_equal(pushed_on(1), SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(pushed_on(2), SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(pushed_on(100), SOFTSIM_VERDICT_DEGRADED);
+}
+
 TEST(faults_of_a_plan_are_named)
 {
     int32_t fixed[1] = {3}, none[1] = {21};
