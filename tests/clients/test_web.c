@@ -7,6 +7,7 @@
 #include "common/test.h"
 
 #include <arpa/inet.h>
+#include <dirent.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -17,6 +18,7 @@
 
 #include "common/folder_fixture.h"
 #include "process/process.h"
+#include "rt/random.h"
 
 enum { TEXT = 1, BINARY = 2, CLOSE = 8, PING = 9, MESSAGE_SIZE = 1 << 20, CROWD = 100 };
 enum { TOPOLOGY_FRAME = 1, DELTA_FRAME = 2, FIELD_FRAME = 3, FORCE_FRAME = 4, STATE_FORCE = 17 };
@@ -474,6 +476,190 @@ TEST_WITH(the_hostile_are_sent_away_and_the_rest_served, NULL, end_web)
     close(fd);
     assert_int_equal(get("/", ""), 200);
     close(good);
+    stop_web(0);
+}
+
+/* ---- floods ---- */
+
+static uint64_t random_state;
+
+static int draw(int below)
+{
+    return (int)ss_random_below(&random_state, (uint32_t)below);
+}
+
+static int open_files(void)
+{
+    char path[64];
+    int count = 0;
+    snprintf(path, sizeof path, "/proc/%d/fd", (int)web.pid);
+    DIR *folder_ = opendir(path);
+    assert_non_null(folder_);
+    while (readdir(folder_) != NULL) {
+        ++count;
+    }
+    closedir(folder_);
+    return count;
+}
+
+/* Goes without a goodbye: the server is told of a broken connection. */
+static void cut(int fd)
+{
+    const struct linger none = {.l_onoff = 1};
+    setsockopt(fd, SOL_SOCKET, SO_LINGER, &none, sizeof none);
+    close(fd);
+}
+
+/* A request of a hostile kind, then some of its bytes turned, doubled or cut off. */
+static size_t make_request(char *out, size_t room)
+{
+    static const char *const kinds[] = {
+        "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nRange: bytes=-1\r\n\r\nGET /app.js HTTP/1.1\r\n\r\n",
+        "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999999999999\r\n\r\nx",
+        "POST /ws HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\nffffffffff\r\n",
+        "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",
+        "GET http://127.0.0.1/%00%2e%2e/%ff?token=%zz&&&=&token HTTP/1.0\r\n\r\n",
+        "HEAD /recordings/../../../../etc/shadow HTTP/1.1\r\nHost: 127.0.0.1:1\r\n\r\n",
+        "GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+        "Sec-WebSocket-Version: 99\r\nSec-WebSocket-Key: x\r\nSec-WebSocket-Extensions: "
+        "permessage-deflate; server_max_window_bits=99\r\n\r\n",
+        "OPTIONS * HTTP/1.1\r\nHost: localhost\r\nOrigin: http://attacker.example\r\nCookie: "
+        "a\r\n\r\n"};
+    const char *kind = kinds[draw((int)(sizeof kinds / sizeof kinds[0]))];
+    size_t size = strlen(kind);
+    memcpy(out, kind, size);
+    for (int turns = draw(6); turns > 0; --turns) {
+        const size_t at = (size_t)draw((int)size), some = (size_t)draw((int)(size - at)) + 1;
+        if (draw(3) == 0 && size + 40 * some < room) { /* a part forty times */
+            memmove(out + at + 40 * some, out + at, size - at);
+            for (size_t k = 0; k < 40; ++k) {
+                memmove(out + at + k * some, out + at + 40 * some, some);
+            }
+            size += 40 * some;
+        } else {
+            out[at] = (char)draw(256);
+        }
+    }
+    return draw(4) == 0 ? (size_t)draw((int)size) : size;
+}
+
+/* A frame of any kind, length and mask, whose payload may be less than it says. */
+static size_t make_frame(uint8_t *out)
+{
+    static const uint64_t sizes[] = {0, 1, 5, 125, 126, 513, 65536, UINT64_C(1) << 40, UINT64_MAX};
+    const uint64_t size = sizes[draw((int)(sizeof sizes / sizeof sizes[0]))];
+    const uint8_t mask = draw(8) == 0 ? 0 : 0x80;
+    size_t length = 2;
+    out[0] = (uint8_t)(draw(2) == 0 ? 0x80 | draw(3) : draw(256));
+    out[1] = (uint8_t)(mask | (size < 126 ? size : size < 65536 ? 126 : 127));
+    for (int shift = size < 126 ? -8 : size < 65536 ? 8 : 56; shift >= 0; shift -= 8) {
+        out[length++] = (uint8_t)(size >> shift);
+    }
+    for (uint64_t k = 0; k < (mask ? 4U : 0U) + (size < 600 ? size : 600) && draw(50) > 0; ++k) {
+        out[length++] = (uint8_t)draw(256);
+    }
+    return length;
+}
+
+/* Random requests and frames, one connection after the other and some byte by byte: each is sent
+ * away or leaves by itself, no file stays open, and whoever comes then is served. */
+TEST_WITH(floods_of_random_input_leave_nothing_behind, NULL, end_web)
+{
+    enum { ROUNDS = 250, SLOW = 8 };
+    static uint8_t bytes[1 << 16];
+    start_web("127.0.0.1", NULL, NULL);
+    assert_int_equal(get("/", ""), 200);
+    const int files = open_files();
+    int slow[SLOW];
+    random_state = 20260101;
+    for (int k = 0; k < SLOW; ++k) {
+        slow[k] = dial();
+    }
+    for (int n = 0; n < ROUNDS; ++n) {
+        const bool is_web_socket = draw(2) == 0;
+        const int fd = is_web_socket ? open_browser() : dial();
+        for (int pieces = is_web_socket ? 1 + draw(6) : 1; pieces > 0; --pieces) {
+            const size_t size =
+                is_web_socket ? make_frame(bytes) : make_request((char *)bytes, sizeof bytes);
+            say(fd, bytes, size);
+        }
+        say(slow[n % SLOW], &"GET / HTTP/1.1\r\nX: aaaaaaaaaaaaaaaaaaaaaaaaaa"[n / SLOW], 1);
+        if (draw(2) == 0) {
+            recv(fd, bytes, sizeof bytes, MSG_DONTWAIT);
+        }
+        if (draw(2) == 0) {
+            cut(fd);
+        } else {
+            close(fd);
+        }
+    }
+    for (int k = 0; k < SLOW; ++k) { /* a head that never ends is waited for ten seconds */
+        while (recv(slow[k], bytes, sizeof bytes, 0) > 0) {
+        }
+        close(slow[k]);
+    }
+    const int good = open_browser();
+    send_line(good, "command status");
+    expect_text(good, "\"type\": \"reply\", \"code\": 0");
+    close(good);
+    while (open_files() > files) {
+        assert_int_equal(get("/", ""), 200);
+    }
+    stop_web(0);
+}
+
+/* A hundred who want a WebSocket: of those who may, as many as there is room for; then the next. */
+TEST_WITH(a_crowd_gets_what_room_there_is, NULL, end_web)
+{
+    int crowd[CROWD], status = 0, served = 0;
+    start_web("127.0.0.1", "a-secret-of-ours", NULL);
+    for (int i = 0; i < CROWD; ++i) {
+        static const char *const wrong[][2] = {
+            {"/ws", ""},
+            {"/ws?token=a-secret-of-other", ""},
+            {"/ws?token=a-secret-of-ours", "Origin: http://attacker.example\r\n"}};
+        close(upgrade(wrong[i % 3][0], wrong[i % 3][1], &status));
+        assert_int_equal(status, 403);
+    }
+    for (int i = 0; i < CROWD; ++i) {
+        crowd[i] = upgrade("/ws?token=a-secret-of-ours", "", &status);
+        assert_true(status == 101 || status == 503);
+        served += status == 101;
+    }
+    assert_int_equal(served, 32);
+    for (int i = 0; i < CROWD; ++i) {
+        cut(crowd[i]);
+    }
+    do { /* until it has seen that they are gone */
+        close(upgrade("/ws?token=a-secret-of-ours", "", &status));
+    } while (status == 503);
+    assert_int_equal(status, 101);
+    stop_web(0);
+}
+
+/* However its browser goes, the probe is let go and another browser may have it. */
+TEST_WITH(a_probe_is_let_go_however_its_browser_goes, NULL, end_web)
+{
+    enum { GOODBYE, BROKEN, HALF_A_FRAME, SENT_AWAY, WAYS };
+    start_web("127.0.0.1", NULL, NULL);
+    for (int way = 0; way < WAYS; ++way) {
+        const int holder = open_browser(), watcher = open_browser();
+        send_line(holder, "aim 0 0 0.006 0.06 1 0 0 0 0");
+        expect_text(holder, "\"type\": \"hand\", \"holder\": \"you\"");
+        expect_text(watcher, "\"type\": \"hand\", \"holder\": \"another browser\"");
+        if (way == GOODBYE) {
+            send_frame(holder, CLOSE, "\x03\xe8", 2);
+            close(holder);
+        } else if (way == SENT_AWAY) {
+            send_line(holder, "nonsense");
+            expect_end(holder);
+        } else {
+            say(holder, "\x81\xfe\x01", way == HALF_A_FRAME ? 3 : 0);
+            cut(holder);
+        }
+        expect_text(watcher, "\"type\": \"hand\", \"holder\": \"nobody\"");
+        close(watcher);
+    }
     stop_web(0);
 }
 
