@@ -607,6 +607,7 @@ static void book_entry(ss_haptic *haptic, const double x[3], const double sent[3
     ss_sub3(change, shift, haptic->shift);
     ss_add3(mean, haptic->last_force, sent);
     haptic->output.let_in_j = -0.5 * ss_dot3(mean, change);
+    ss_passivity_let_in(&haptic->passivity, haptic->output.let_in_j);
     ss_copy3(haptic->shift, shift);
 }
 

@@ -330,14 +330,17 @@ double ss_observer_rule(const ss_haptic_config *config, double delay, bool corre
 /* ---- passivity.c ---- */
 
 typedef struct ss_passivity {
-    double share;     /* of the limit that back-offs have left */
-    double forgiven;  /* J: the contact's energy at its last back-off */
-    int64_t contact;  /* that it belongs to */
-    int64_t since;    /* ticks, the last back-off */
-    int64_t backoffs; /* so far */
-    int64_t actions;  /* ticks so far that were damped or bounded */
-    double lent;      /* J: to the contact, by time */
-    double bound;     /* N: that the last force was held to; INFINITY: none */
+    double share;       /* of the limit that back-offs have left */
+    double forgiven;    /* J: the contact's energy at its last back-off */
+    int64_t contact;    /* that it belongs to */
+    int64_t since;      /* ticks, the last back-off */
+    int64_t backoffs;   /* so far */
+    int64_t actions;    /* ticks so far that were damped or bounded */
+    double lent;        /* J: to the contact, by time */
+    double let_in;      /* J: that an entry put into the contact in the hand's stead */
+    double bound;       /* N: that the last force was, or would be, held to; INFINITY: none */
+    double bound_share; /* 0 .. 1, of the bound that holds: by how long the loop is, */
+    double soft_share;  /* and how far the damper has gone to the long loop's */
 } ss_passivity;
 
 void ss_passivity_init(ss_passivity *passivity);
@@ -348,6 +351,8 @@ void ss_passivity_step(ss_passivity *passivity, const ss_observer *observer, dou
                        bool is_in_contact);
 /* K_max that is left. */
 double ss_passivity_limit(const ss_passivity *passivity, const ss_observer *observer);
+/* An entry moved the pose used nearer to the hand, against the force. */
+void ss_passivity_let_in(ss_passivity *passivity, double energy);
 /* Damps or bounds `force` where the contact is about to hand out energy; true when it did. */
 bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
                        const ss_passivity_tick *now, double force[3]);

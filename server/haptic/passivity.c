@@ -23,7 +23,12 @@
  * and on the way out no more than was sent last: a bound that a message lets go for a tick may be
  * held by the bus for twenty. (0.3: with 0.5 taps behind 10 ms keep half as much of their force,
  * with 0.15 late messages hand out 3.3 mJ.) A hand that rests is lent what is lacking within half a
- * second: it may be another tool that presses, or an entry.
+ * second: it may be another tool that presses. What an entry pressed in for the hand (admission.c)
+ * is known to the joule, and counts as paid, here and below.
+ *
+ * Which of the two acts is a share, that grows from 0 to 1 between a loop of 3.1 and one of 5.1 ms,
+ * and does not step in a contact: messages' delays differ from second to second, and a bound or a
+ * damper that came with the 95th percentile let go of 2 N in a tick, from a hand at rest.
  *
  * Back-off: E < -1 mJ in spite of it: K_max times 0.8, at most every 20 ms; the debt is forgiven,
  * or one tap would soften all that come after it. It comes back by 10 % a second without contact.
@@ -39,7 +44,11 @@
 
 #define DAMPING_NEAR     10.0    /* N s/m, alpha_max */
 #define DAMPING_FAR      5.0     /* N s/m, the same behind a longer delay */
-#define NEAR_DELAY       0.0031  /* s */
+#define NEAR_DELAY       0.0031  /* s: no bound up to here, */
+#define FAR_DELAY        0.0051  /* and nothing but the bound from here */
+#define GUESSED_DELAY    0.0051  /* s: less, before the delay is known, is a guess */
+#define SHARE_UP_TIME    0.050   /* s: in contact, from no bound to all of it, */
+#define SHARE_DOWN_TIME  0.250   /* and back */
 #define ALLOWED_ENERGY   -0.4e-3 /* J: what rounding, tremor and a short delay hand out */
 #define SPEED_SQUARE_MIN 1e-5    /* m^2/s^2 */
 #define BACKOFF_ENERGY   -1e-3   /* J */
@@ -50,7 +59,6 @@
 #define ACTION_MIN       1e-3   /* N: less is not counted */
 #define BOUND_ENERGY     0.2e-3 /* J */
 #define BOUND_SHARE      0.3    /* of the delay */
-#define GUESSED_DELAY    0.0051 /* s: less, before the delay is known, is a guess */
 #define LEND_TIME        0.5    /* s */
 #define REST_SPEED       0.02   /* m/s */
 
@@ -70,14 +78,15 @@ void ss_passivity_step(ss_passivity *passivity, const ss_observer *observer, dou
 {
     if (passivity->contact != observer->contacts) {
         passivity->contact = observer->contacts;
-        passivity->forgiven = passivity->lent = 0.0;
+        passivity->forgiven = passivity->lent = passivity->let_in = 0.0;
     }
     ++passivity->since;
     const bool is_due = (double)passivity->since * period >= BACKOFF_TIME;
+    const double energy = observer->energy + passivity->let_in;
     if (observer->is_in_contact && observer->is_told && is_due &&
-        observer->energy - passivity->forgiven < BACKOFF_ENERGY) {
+        energy - passivity->forgiven < BACKOFF_ENERGY) {
         passivity->share *= BACKOFF_SHARE;
-        passivity->forgiven = observer->energy;
+        passivity->forgiven = energy;
         passivity->since = 0;
         ++passivity->backoffs;
     } else if (!is_in_contact) {
@@ -92,9 +101,35 @@ double ss_passivity_limit(const ss_passivity *passivity, const ss_observer *obse
     return observer->limit * passivity->share;
 }
 
-/* Bounds `force` of `size` where the loop is long; `energy` is E'. */
-static bool bound(ss_passivity *passivity, const ss_observer *observer,
-                  const ss_passivity_tick *now, double energy, double size, double force[3])
+void ss_passivity_let_in(ss_passivity *passivity, double energy)
+{
+    passivity->let_in += energy;
+}
+
+/* 0 .. 1: how long the loop is, where `near` (s) is short. */
+static double farness(const ss_observer *observer, double near)
+{
+    const double beyond = (observer->delay_p95 - near) / (FAR_DELAY - NEAR_DELAY);
+    return fmin(1.0, fmax(0.0, beyond));
+}
+
+/* Moves what depends on the delay to what it asks for: at once where there is no force. */
+static void follow_delay(ss_passivity *passivity, const ss_observer *observer,
+                         const ss_passivity_tick *now, double size)
+{
+    const double up = size > 0.0 ? now->period / SHARE_UP_TIME : 1.0;
+    const double down = size > 0.0 ? now->period / SHARE_DOWN_TIME : 1.0;
+    const bool is_bounded = observer->is_told && !now->corrects && !now->is_grasping;
+    const double bounded =
+        is_bounded ? farness(observer, observer->is_known ? NEAR_DELAY : GUESSED_DELAY) : 0.0;
+    const double share = passivity->bound_share, soft = passivity->soft_share;
+    passivity->bound_share = fmin(share + up, fmax(share - down, bounded));
+    passivity->soft_share = fmin(soft + up, fmax(soft - down, farness(observer, NEAR_DELAY)));
+}
+
+/* The size that a force of `size` is bounded to where the loop is long; `energy` is E'. */
+static double bound(ss_passivity *passivity, const ss_observer *observer,
+                    const ss_passivity_tick *now, double energy, const double force[3], double size)
 {
     const double stiffness = ss_passivity_limit(passivity, observer);
     const double speed = ss_norm3(now->velocity);
@@ -109,28 +144,15 @@ static bool bound(ss_passivity *passivity, const ss_observer *observer,
     if (ss_dot3(force, now->velocity) > REST_SPEED * size) {
         most = fmin(most, passivity->bound);
     }
-    const bool is_action = most < size - ACTION_MIN;
     passivity->bound = fmin(most, size);
-    ss_scale3(force, force, passivity->bound / size);
-    passivity->actions += is_action;
-    return is_action;
+    return passivity->bound;
 }
 
-bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
-                       const ss_passivity_tick *now, double force[3])
+/* What a damper of at most `most` adds to `force` of `size` > 0; `energy` < 0: beyond the allowed.
+ */
+static void dampen(double most, const ss_passivity_tick *now, double energy, const double force[3],
+                   double size, double out_change[3])
 {
-    const double size = ss_norm3(force);
-    const double foreseen = ss_observer_foresee(observer, now);
-    const double energy = foreseen - passivity->forgiven - ALLOWED_ENERGY;
-    const bool is_far = observer->delay_p95 > (observer->is_known ? NEAR_DELAY : GUESSED_DELAY);
-    if (observer->is_told && is_far && !now->corrects && !now->is_grasping && size > 0.0) {
-        return bound(passivity, observer, now, foreseen, size, force);
-    }
-    passivity->bound = INFINITY;
-    if (!observer->is_told || !(energy < 0.0) || !(size > 0.0)) {
-        return false;
-    }
-    const double most = observer->delay_p95 <= NEAR_DELAY ? DAMPING_NEAR : DAMPING_FAR;
     double n[3], way[3];
     ss_scale3(n, force, 1.0 / size);
     ss_scale3(way, n, ss_dot3(n, now->velocity));
@@ -139,11 +161,32 @@ bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
     }
     const double square = fmax(ss_dot3(way, way), SPEED_SQUARE_MIN);
     const double alpha = fmin(most, -energy / (now->period * square));
-    double change[3];
-    ss_scale3(change, way, -alpha);
-    if (!now->is_grasping && ss_dot3(change, n) < -size) {
-        ss_scale3(change, n, -size);
+    ss_scale3(out_change, way, -alpha);
+    if (!now->is_grasping && ss_dot3(out_change, n) < -size) {
+        ss_scale3(out_change, n, -size);
     }
+}
+
+bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
+                       const ss_passivity_tick *now, double force[3])
+{
+    const double size = ss_norm3(force);
+    follow_delay(passivity, observer, now, size);
+    if (!observer->is_told || !(size > 0.0)) {
+        passivity->bound = INFINITY;
+        return false;
+    }
+    const double share = passivity->bound_share;
+    const double foreseen = ss_observer_foresee(observer, now) + passivity->let_in;
+    const double energy = foreseen - passivity->forgiven - ALLOWED_ENERGY;
+    double change[3] = {0.0, 0.0, 0.0};
+    if (share < 1.0 && energy < 0.0) {
+        const double most = DAMPING_NEAR + passivity->soft_share * (DAMPING_FAR - DAMPING_NEAR);
+        dampen(most, now, energy, force, size, change);
+        ss_scale3(change, change, 1.0 - share);
+    }
+    const double bounded = bound(passivity, observer, now, foreseen, force, size);
+    ss_madd3(change, change, share * (bounded / size - 1.0), force);
     ss_add3(force, force, change);
     const bool is_action = ss_norm3(change) > ACTION_MIN;
     passivity->actions += is_action;

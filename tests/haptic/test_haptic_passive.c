@@ -142,7 +142,9 @@ TEST(damping_takes_the_debt_and_never_pulls)
                                        .velocity = {0, 0, rows[k].speed},
                                        .corrects = true,
                                        .is_grasping = rows[k].is_grasping};
-        double force[3] = {0.0, 0.0, rows[k].force};
+        double force[3] = {0.0, 0.0, 0.0};
+        ss_passivity_damp(&passivity, observer, &now, force); /* before the touch */
+        force[2] = rows[k].force;
         ss_passivity_damp(&passivity, observer, &now, force);
         if (fabs(force[2] - rows[k].expected) > 1e-9) {
             fail_msg("%s: %.9g, not %g", rows[k].what, force[2], rows[k].expected);
@@ -216,7 +218,9 @@ TEST(a_late_force_is_no_more_than_was_paid_for)
                                        .velocity = {0, 0, rows[k].speed},
                                        .corrects = rows[k].corrects,
                                        .is_grasping = rows[k].is_grasping};
-        double force[3] = {0.0, 0.0, 2.0};
+        double force[3] = {0.0, 0.0, 0.0};
+        ss_passivity_damp(&passivity, observer, &now, force); /* before the touch */
+        force[2] = 2.0;
         ss_passivity_damp(&passivity, observer, &now, force);
         if (fabs(force[2] - rows[k].expected) > 1e-3) {
             fail_msg("%s: %.9g, not %g", rows[k].what, force[2], rows[k].expected);
@@ -234,7 +238,9 @@ TEST(a_bound_stays_on_the_way_out_and_goes_at_rest)
     ss_passivity_init(&passivity);
     observer->is_known = true;
     ss_passivity_tick now = {.period = T, .velocity = {0, 0, 0.05}};
-    double force[3] = {0.0, 0.0, 2.0};
+    double force[3] = {0.0, 0.0, 0.0};
+    ss_passivity_damp(&passivity, observer, &now, force); /* before the touch */
+    force[2] = 2.0;
     ss_passivity_damp(&passivity, observer, &now, force);
     const double bound = force[2];
     assert_true(bound > 0.1 && bound < 0.8);
@@ -257,6 +263,72 @@ TEST(a_bound_stays_on_the_way_out_and_goes_at_rest)
     }
     assert_true(last > 1.8);
     free(observer);
+}
+
+/* The measured delay crosses what is long, there and back: no force steps with it, in a hand at
+ * rest that has paid for 0.8 of its 2 N, nor in one that goes out with a debt and is damped. */
+TEST(a_force_does_not_step_with_the_delay)
+{
+    for (int is_out = 0; is_out <= 1; ++is_out) {
+        ss_observer *observer = touching_observer(is_out ? -1e-3 : 0.6e-3, 3e-3);
+        ss_passivity passivity;
+        ss_passivity_init(&passivity);
+        observer->is_known = true;
+        const ss_passivity_tick now = {.period = T, .velocity = {0, 0, is_out ? 0.1 : 0.0}};
+        double last = NAN, least = INFINITY;
+        for (int n = 0; n < 2000; ++n) {
+            observer->delay_p95 = n / 200 % 2 == 0 ? 3.0e-3 : 6.0e-3;
+            double force[3] = {0.0, 0.0, 2.0};
+            ss_passivity_damp(&passivity, observer, &now, force);
+            if (n > 0 && fabs(force[2] - last) > 0.05) {
+                fail_msg("tick %d: %.3f after %.3f N", n, force[2], last);
+            }
+            last = force[2];
+            least = fmin(least, last);
+        }
+        assert_true(least < 1.5); /* it has acted */
+        free(observer);
+    }
+}
+
+/* A hand at rest in tissue, its device away for 0.1 s: when it is back it feels the reaction as
+ * soon as the entry is over, behind every loop, also one whose delay goes to and fro; and nearly
+ * all of it when it begins to go out, at 0.1 m/s. */
+TEST(what_an_entry_pressed_in_is_felt_behind_any_loop)
+{
+    static const int lag[][2] = {{1, 1}, {6, 6}, {20, 20}, {2, 6}};
+    enum { GONE = 800, BACK = 900, OUT = 3000, END = 3025 };
+    const double k = 300.0, depth = 8e-3;
+    for (size_t m = 0; m < sizeof lag / sizeof *lag; ++m) {
+        rig r;
+        ss_haptic_config config = default_config();
+        config.stiffness = 800.0;
+        config.damping = 2.0;
+        rig_start(&r, &config);
+        r.pose.flags = 0;
+        double last = 0.0;
+        for (int n = 0; n < END; ++n) {
+            const double down = fmin(1.0, n / 200.0), up = fmax(0.0, (n - OUT) * 1e-4);
+            const int ticks = lag[m][n / 700 % 2];
+            r.has_pose = n < GONE || n >= BACK;
+            r.pose.force_seq = r.out.force.seq >= ticks ? r.out.force.seq - ticks + 1 : -1;
+            if (n > 0) {
+                const double reach = -r.out.force.proxy[2];
+                rig_result(&r, k, reach, 1);
+            }
+            const double f = rig_tick(&r, 1e-3 - (1e-3 + depth) * down + up);
+            const double reaction = -k * fmin(0.0, r.out.force.proxy[2]);
+            const double allowed = n < OUT ? 0.02 * reaction : 0.1 * reaction + k * 1e-4;
+            const bool is_off = fabs(f - reaction) > allowed || fabs(f - last) > 0.1;
+            if (n > BACK + 520 && is_off) {
+                fail_msg("lag %d / %d, tick %d: %.3f N after %.3f, the tissue's is %.3f", lag[m][0],
+                         lag[m][1], n, f, last, reaction);
+            }
+            last = f;
+        }
+        assert_int_equal(r.out.stiffness_backoffs, 0);
+        rig_end(&r);
+    }
 }
 
 /* -1 mJ: K_max x 0.8, once in 20 ms and not again for the same debt; floor 50; back by 10 %/s out
