@@ -126,20 +126,21 @@ int main(int argc, char **argv)
     const char *command = NULL;
     softsim_client_config config = {.context = &m, .handle_status = take_status, .hears_all = true};
     const ss_arg rows[] = {
-        {"--once", SS_ARG_FLAG, &m.is_once, 0, 0, NULL, "show one status and end"},
-        {"--json", SS_ARG_FLAG, &m.is_json, 0, 0, NULL, "one line of JSON a status"},
+        SS_FLAG("--once", &m.is_once, "show one status and end"),
+        SS_FLAG("--json", &m.is_json, "one line of JSON a status"),
         {"--duration", SS_ARG_NUMBER, &duration_s, 1e-3, 1e6, "S", "ends after S"},
-        {"--command", SS_ARG_STRING, &command, 0, 0, "'NAME[ ARGUMENT]'",
-         "sends reset, pause, resume, refresh, status, shutdown or 'set PATH=VALUE', prints the "
-         "reply"},
+        SS_TEXT(
+            "--command", &command, "'NAME[ ARGUMENT]'",
+            "sends reset, pause, resume, refresh, status, shutdown or 'set PATH=VALUE', prints the "
+            "reply"),
         SS_ARG_BUS(&config.lcm_url, &config.prefix),
     };
     softsim_error error = {.status = SOFTSIM_OK};
     const char *program = program_invocation_short_name;
     ss_program_begin();
-    const ss_args_result parsed = ss_args_parse(
-        argc, argv, "[options]", "Shows the state of a softsimd, or sends it a command.", rows,
-        (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, &error);
+    const ss_args_result parsed =
+        SS_ARGS_OPTIONS(argc, argv, "[options]",
+                        "Shows the state of a softsimd, or sends it a command.", rows, &error);
     if (parsed == SS_ARGS_DONE) {
         return ss_program_finish(program, EXIT_SUCCESS);
     }

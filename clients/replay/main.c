@@ -41,17 +41,17 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
 {
     *o = (options){.rate_hz = 1000.0, .speed = 1.0, .repeat = 1};
     const ss_arg rows[] = {
-        {"--lockstep", SS_ARG_FLAG, &o->is_lockstep, 0, 0, NULL,
-         "wait for each pose's answer before the next (server with --lockstep)"},
+        SS_FLAG("--lockstep", &o->is_lockstep,
+                "wait for each pose's answer before the next (server with --lockstep)"),
         {"--speed", SS_ARG_NUMBER, &o->speed, 1e-3, 1e3, "X", "times as fast as recorded (1)"},
         {"--repeat", SS_ARG_INTEGER, &o->repeat, 1, 1e6, "N", "play N times (1)"},
         {"--rate", SS_ARG_NUMBER, &o->rate_hz, 1, 1e4, "HZ", "at which a CSV is sampled (1000)"},
-        {"--csv", SS_ARG_STRING, &o->csv, 0, 0, "OUT.csv", ss_replay_csv_help},
-        {"--record", SS_ARG_STRING, &o->record, 0, 0, "OUT.lcmlog",
-         "event log of the poses sent and the forces received; like --csv written to\n"
-         "OUT.part once a second, and OUT when all poses are played"},
-        {"--convert", SS_ARG_FLAG, &o->is_convert, 0, 0, NULL,
-         "write the poses as an event log instead of playing them"},
+        SS_TEXT("--csv", &o->csv, "OUT.csv", ss_replay_csv_help),
+        SS_TEXT("--record", &o->record, "OUT.lcmlog",
+                "event log of the poses sent and the forces received; like --csv written to\n"
+                "OUT.part once a second, and OUT when all poses are played"),
+        SS_FLAG("--convert", &o->is_convert,
+                "write the poses as an event log instead of playing them"),
         SS_ARG_BUS(&o->lcm_url, &o->prefix),
     };
     const char *positional[2] = {NULL, NULL};

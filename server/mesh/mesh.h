@@ -247,8 +247,9 @@ static inline int32_t ss_mesh_file_element(const ss_mesh *mesh, int32_t element)
 {
     return mesh->file_element != NULL ? mesh->file_element[element] : element;
 }
-/* Where x lies on the Hilbert curve through the cube of edge `size` at `low`. */
-uint64_t ss_mesh_curve_place(const double x[3], const double low[3], double size);
+/* The numbers of points in the order of the Hilbert curve through the cube of edge `size` at their
+ * least corner. False when out of memory. */
+bool ss_mesh_curve_order(int32_t count, const double (*x)[3], double size, int32_t *out_number);
 
 /* The solid bodies of a closed surface, numbered from 0: parts connected by triangles or
  * tetrahedra, cavities counted to the smallest body around them. out_body has node_count values, -1

@@ -282,11 +282,9 @@ static bool read_elements(ss_msh *r, const char *end)
         return false;
     }
     const ss_text_mark start = ss_text_here(r->text);
-    if (!count_kinds(r, count) ||
-        !ss_draft_make_elements(r->draft, r->other[0] != '\0' ? r->other : NULL)) {
+    if (!count_kinds(r, count) || !ss_msh_begin_elements(r, start)) {
         return false;
     }
-    ss_text_seek(r->text, start);
     for (int64_t i = 0; i < count; ++i) {
         if (!read_element(r, i, count)) {
             return false;

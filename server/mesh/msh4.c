@@ -333,11 +333,9 @@ bool ss_msh4_read_elements(ss_msh *r)
         return false;
     }
     const ss_text_mark start = ss_text_here(r->text);
-    if (!count_kinds(r, head) ||
-        !ss_draft_make_elements(r->draft, r->other[0] != '\0' ? r->other : NULL)) {
+    if (!count_kinds(r, head) || !ss_msh_begin_elements(r, start)) {
         return false;
     }
-    ss_text_seek(r->text, start);
     int64_t done = 0;
     for (int64_t b = 0; b < head[0]; ++b) {
         int64_t block[4] = {0};

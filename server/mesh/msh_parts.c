@@ -100,3 +100,12 @@ bool ss_msh_has_room(ss_msh *r, int64_t count, int64_t least, const char *what)
     }
     return true;
 }
+
+bool ss_msh_begin_elements(ss_msh *r, ss_text_mark start)
+{
+    const bool is_good = ss_draft_make_elements(r->draft, r->other[0] != '\0' ? r->other : NULL);
+    if (is_good) {
+        ss_text_seek(r->text, start);
+    }
+    return is_good;
+}

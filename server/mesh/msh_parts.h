@@ -37,6 +37,8 @@ ss_mesh_kind ss_msh_kind(int64_t type);
 const char *ss_msh_type_name(int64_t type);
 /* The node of a number that element `index` has; -1 is a fault. */
 int32_t ss_msh_find_node(const ss_msh *r, int64_t index, int64_t number);
+/* Room for the elements that were counted; on from `start`, before them. */
+bool ss_msh_begin_elements(ss_msh *r, ss_text_mark start);
 /* Keeps the first type that is not read, for the error when nothing else is there. */
 void ss_msh_note_other(ss_msh *r, int64_t index, int64_t type);
 /* The draft's group of a physical number, made when it is not there yet; -1 is a fault. */

@@ -22,8 +22,7 @@
  * first the one with the lower number in the file: (p0, p1, p2) and (p2, p3, p0).
  */
 #include "mesh/topology.h"
-#include "rt/each.h"
-#include "rt/memory.h"
+#include "rt/arena.h"
 #include "rt/vec.h"
 
 #include <string.h>
@@ -130,6 +129,7 @@ void ss_mesh_turn_quad(ss_mesh *mesh, int32_t q)
 /* ---- the flood ---- */
 
 typedef struct arranger {
+    ss_arena arena;
     ss_mesh *mesh;
     ss_mesh_tuples edges;
     int32_t (*neighbour)[4]; /* across side c: side 4 q + c of another quad, or -1 */
@@ -145,8 +145,7 @@ typedef struct arranger {
 static void arranger_fini(arranger *a)
 {
     ss_mesh_tuples_fini(&a->edges);
-    SS_EACH(ss_memory_free, a->neighbour, a->queue, a->is_reached, a->is_turned, a->is_preferred,
-            a->colour, a->quads, a->is_rim);
+    ss_arena_free(&a->arena);
 }
 
 static bool arranger_init(arranger *a, ss_mesh *mesh)
@@ -154,16 +153,11 @@ static bool arranger_init(arranger *a, ss_mesh *mesh)
     const size_t quads = (size_t)mesh->quad_count;
     const size_t nodes = (size_t)mesh->node_count;
     *a = (arranger){.mesh = mesh};
-    a->neighbour = ss_memory_get(quads, sizeof *a->neighbour);
-    a->queue = ss_memory_get(quads, sizeof *a->queue);
-    a->is_reached = ss_memory_get(quads, sizeof *a->is_reached);
-    a->is_turned = ss_memory_get(quads, sizeof *a->is_turned);
-    a->is_preferred = ss_memory_get(quads, sizeof *a->is_preferred);
-    a->colour = ss_memory_get(nodes, sizeof *a->colour);
-    a->quads = ss_memory_get(nodes, sizeof *a->quads);
-    a->is_rim = ss_memory_get(nodes, sizeof *a->is_rim);
-    if (!a->neighbour || !a->queue || !a->is_reached || !a->is_turned || !a->is_preferred ||
-        !a->colour || !a->quads || !a->is_rim || !ss_mesh_list_quad_edges(mesh, &a->edges)) {
+    SS_ARENA_TAKE(&a->arena, SS_ROOM(quads, a->neighbour), SS_ROOM(quads, a->queue),
+                  SS_ROOM(quads, a->is_reached), SS_ROOM(quads, a->is_turned),
+                  SS_ROOM(quads, a->is_preferred), SS_ROOM(nodes, a->colour),
+                  SS_ROOM(nodes, a->quads), SS_ROOM(nodes, a->is_rim));
+    if (ss_arena_status(&a->arena) != SOFTSIM_OK || !ss_mesh_list_quad_edges(mesh, &a->edges)) {
         return false;
     }
     memset(a->neighbour, 0xff, quads * sizeof *a->neighbour);

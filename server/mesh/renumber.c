@@ -32,7 +32,7 @@
 
 /* Skilling 2004: Gray code by undoing the rotations and reflections from the top bit down, then
  * the bits interleaved. */
-uint64_t ss_mesh_curve_place(const double x[3], const double low[3], double size)
+static uint64_t curve_place(const double x[3], const double low[3], double size)
 {
     enum { ORDER = 21 };
     const double cells = (double)(1 << ORDER);
@@ -81,6 +81,25 @@ static int compare_places(const void *left, const void *right)
     return ss_order_then(by_key, ss_order_int(a->number, b->number));
 }
 
+bool ss_mesh_curve_order(int32_t count, const double (*x)[3], double size, int32_t *out_number)
+{
+    double low[3], high[3];
+    place *order = ss_memory_get((size_t)count, sizeof *order);
+    if (order == NULL) {
+        return false;
+    }
+    ss_bounds3(count, x, low, high);
+    for (int32_t i = 0; i < count; ++i) {
+        order[i] = (place){.key = {curve_place(x[i], low, size)}, .number = i};
+    }
+    qsort(order, (size_t)count, sizeof *order, compare_places);
+    for (int32_t i = 0; i < count; ++i) {
+        out_number[i] = order[i].number;
+    }
+    ss_memory_free(order);
+    return true;
+}
+
 static void place_nodes(const ss_mesh *mesh, place *out)
 {
     double low[3], high[3];
@@ -89,7 +108,7 @@ static void place_nodes(const ss_mesh *mesh, place *out)
     const uint64_t apart = mesh->tetrahedron_count > 0 ? UINT64_C(1) << 63 : 0;
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         out[i] = (place){.number = i};
-        out[i].key[0] = size > 0.0 ? ss_mesh_curve_place(mesh->position[i], low, size) : 0;
+        out[i].key[0] = size > 0.0 ? curve_place(mesh->position[i], low, size) : 0;
         out[i].key[0] |= apart; /* above the curve's 63 bits */
     }
     for (int32_t c = 0; c < 4 * mesh->tetrahedron_count; ++c) {

@@ -66,11 +66,7 @@ static bool read_head(reader *r, const char *what, int count, int64_t *out)
 static bool has_room(reader *r, int64_t count, int64_t least, const char *what)
 {
     if (count > ss_text_left(r->text) / least + 1) {
-        ss_text_fault(r->text,
-                      "%lld %s announced, but the rest of the file is too short for them: it is "
-                      "damaged or cut off",
-                      (long long)count, what);
-        return false;
+        return ss_text_fault_short(r->text, count, "", what);
     }
     return true;
 }
@@ -134,15 +130,19 @@ static bool read_node(reader *r, int64_t row, const int64_t *head)
     return ss_draft_put_node(r->draft, index, x);
 }
 
-static bool keep_markers(reader *r)
+/* The field's values as groups of nodes: of each by its number, or of the corners of elements. */
+static bool keep(reader *r, const char *name, int32_t first, int32_t count,
+                 const int32_t (*corner)[4])
 {
-    if (!ss_draft_name_field(r->draft, &r->field, "marker", 0)) {
+    if (!ss_draft_name_field(r->draft, &r->field, name, first)) {
         return false;
     }
-    for (int32_t i = 0; i < r->draft->node_count; ++i) {
+    for (int32_t i = 0; i < count; ++i) {
         const int32_t group = ss_draft_field_group(&r->field, i);
-        if (group >= 0 && !ss_draft_mark(r->draft, group, i)) {
-            return false;
+        for (int k = 0; k < (corner != NULL ? 4 : 1) && group >= 0; ++k) {
+            if (!ss_draft_mark(r->draft, group, corner != NULL ? corner[i][k] : i)) {
+                return false;
+            }
         }
     }
     return true;
@@ -168,7 +168,7 @@ static bool read_nodes(reader *r)
         return false;
     }
     return read_rows(r, read_node, head, "points") && ss_draft_sort_tags(r->draft) &&
-           (head[3] == 0 || keep_markers(r));
+           (head[3] == 0 || keep(r, "marker", 0, r->draft->node_count, NULL));
 }
 
 /* ---- tetrahedra ---- */
@@ -218,23 +218,6 @@ static bool read_element(reader *r, int64_t index, const int64_t *head)
     return ss_draft_add_element(r->draft, SS_MESH_TETRAHEDRON, node);
 }
 
-/* The tetrahedra of the draft are those of the file, in its order. */
-static bool keep_regions(reader *r)
-{
-    if (!ss_draft_name_field(r->draft, &r->field, "region", 1)) {
-        return false;
-    }
-    for (int32_t e = 0; e < r->draft->tetrahedron_count; ++e) {
-        const int32_t group = ss_draft_field_group(&r->field, e);
-        for (int k = 0; k < 4 && group >= 0; ++k) {
-            if (!ss_draft_mark(r->draft, group, r->draft->tetrahedron[e][k])) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
 static bool read_elements(reader *r)
 {
     int64_t head[3] = {0, 4, 0};
@@ -255,7 +238,8 @@ static bool read_elements(reader *r)
         return false;
     }
     return read_rows(r, read_element, head, "tetrahedra") && r->text->fault_count == 0 &&
-           (head[2] == 0 || keep_regions(r));
+           (head[2] == 0 || keep(r, "region", 1, r->draft->tetrahedron_count,
+                                 (const int32_t(*)[4])r->draft->tetrahedron));
 }
 
 softsim_status ss_mesh_parse_tetgen(ss_text *nodes, ss_text *elements, double metres_per_unit,

@@ -56,6 +56,15 @@ void ss_text_fault(ss_text *text, const char *format, ...)
     va_end(arguments);
 }
 
+bool ss_text_fault_short(ss_text *text, int64_t count, const char *of, const char *what)
+{
+    ss_text_fault(text,
+                  "%lld %s%s announced, but the rest of the file is too short for them: it is "
+                  "damaged or cut off",
+                  (long long)count, of, what);
+    return false;
+}
+
 void ss_text_fault_file(ss_text *text, softsim_status status, const char *format, ...)
 {
     va_list arguments;

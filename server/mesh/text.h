@@ -67,6 +67,8 @@ int64_t ss_text_left(const ss_text *text);
 
 /* Adds "name:line: what" (or "name: byte n: what"); control characters become '?'. */
 void ss_text_fault(ss_text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* False, with the fault that `count` things cannot be in what is left. */
+bool ss_text_fault_short(ss_text *text, int64_t count, const char *of, const char *what);
 /* Without a place. */
 void ss_text_fault_file(ss_text *text, softsim_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

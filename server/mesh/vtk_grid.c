@@ -74,11 +74,7 @@ bool ss_vtk_has_room(ss_vtk_grid *grid, ss_vtk_type type, int64_t count, const c
     /* In ASCII two bytes each, but the last. */
     if (count < 0 || count > SS_DRAFT_MAX_COUNT * (int64_t)16 ||
         (grid->is_binary ? ss_vtk_bytes(type, count) > left : count > left / 2 + 1)) {
-        ss_text_fault(grid->text,
-                      "%lld values of %s announced, but the rest of the file is too short for "
-                      "them: it is damaged or cut off",
-                      (long long)count, what);
-        return false;
+        return ss_text_fault_short(grid->text, count, "values of ", what);
     }
     return true;
 }
@@ -347,23 +343,40 @@ static bool fault_cut(reader *r, int64_t cell)
     return false;
 }
 
-static bool count_kinds(reader *r, ss_vtk_section *section, int64_t first_cell)
+/* Does something with each cell; *out_used: numbers that all have, their counts too. */
+typedef bool (*cell_visit)(reader *r, const ss_vtk_section *section, int64_t cell, int64_t size,
+                           ss_mesh_kind kind);
+static bool each_cell(reader *r, const ss_vtk_section *section, int64_t first_cell,
+                      cell_visit visit, int64_t *out_used)
 {
-    const bool is_counted = section->offsets.type == SS_VTK_NONE;
-    int64_t used = 0;
+    *out_used = 0;
     ss_text_seek(r->text, section->nodes.at);
     for (int64_t i = 0; i < section->cell_count; ++i) {
         int64_t size = 0;
         ss_mesh_kind kind = SS_MESH_OTHER;
-        if (!next_size(r, section, i, used, &size) ||
-            !next_kind(r, section, first_cell + i, size, &kind)) {
+        if (!next_size(r, section, i, *out_used, &size) ||
+            !next_kind(r, section, first_cell + i, size, &kind) ||
+            !visit(r, section, first_cell + i, size, kind)) {
             return false;
         }
-        ++r->draft->found[kind];
-        used += size + is_counted;
-        if (is_counted && !skip_nodes(r, section, size)) {
-            return fault_cut(r, first_cell + i);
-        }
+        *out_used += size + (section->offsets.type == SS_VTK_NONE);
+    }
+    return true;
+}
+
+static bool count_cell(reader *r, const ss_vtk_section *section, int64_t cell, int64_t size,
+                       ss_mesh_kind kind)
+{
+    ++r->draft->found[kind];
+    return section->offsets.type != SS_VTK_NONE || skip_nodes(r, section, size) ||
+           fault_cut(r, cell);
+}
+
+static bool count_kinds(reader *r, const ss_vtk_section *section, int64_t first_cell)
+{
+    int64_t used = 0;
+    if (!each_cell(r, section, first_cell, count_cell, &used)) {
+        return false;
     }
     if (used != section->nodes.count) {
         ss_text_fault(r->text, "%lld numbers of cells announced, but they have %lld: correct it",
@@ -422,20 +435,8 @@ static bool read_cell(reader *r, const ss_vtk_section *section, int64_t cell, in
 
 static bool read_cells(reader *r, const ss_vtk_section *section, int64_t first_cell)
 {
-    const bool is_counted = section->offsets.type == SS_VTK_NONE;
     int64_t used = 0;
-    ss_text_seek(r->text, section->nodes.at);
-    for (int64_t i = 0; i < section->cell_count; ++i) {
-        int64_t size = 0;
-        ss_mesh_kind kind = SS_MESH_OTHER;
-        if (!next_size(r, section, i, used, &size) ||
-            !next_kind(r, section, first_cell + i, size, &kind) ||
-            !read_cell(r, section, first_cell + i, size, kind)) {
-            return false;
-        }
-        used += size + is_counted;
-    }
-    return ends_array(r, "the cells' nodes");
+    return each_cell(r, section, first_cell, read_cell, &used) && ends_array(r, "the cells' nodes");
 }
 
 /* Goes over all sections, for kinds or for nodes. The sizes of one at a time are kept. */

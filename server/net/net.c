@@ -242,39 +242,17 @@ static void receive_status(void *context, const ss_packet *packet)
 /* The name of a request for a status, as it is encoded. */
 static const char request_name[] = "\0\0\0\7status";
 
+#define LANE(channel, work_per_ms, work_burst, muted_per_s, its_receive)                           \
+    .suffix = {channel}, .max_size = MAX_MESSAGE, .buffer = LANE_BUFFER, .per_ms = (work_per_ms),  \
+    .burst = (work_burst), .sender_per_s = (muted_per_s), .receive = (its_receive)
+#define REQUEST_NAME .at = COMMAND_NAME_AT, .bytes = request_name, .size = sizeof request_name
 static const ss_lane lanes[] = {
-    {.suffix = {"_PROBE_#"},
-     .max_size = MAX_MESSAGE,
-     .buffer = LANE_BUFFER,
-     .per_ms = POSE_WORK_PER_MS,
-     .burst = POSE_WORK_BURST,
-     .receive = receive_pose},
-    {.suffix = {"_COMMAND"},
-     .part = {.at = COMMAND_NAME_AT,
-              .bytes = request_name,
-              .size = sizeof request_name,
-              .is_unwanted = true},
-     .max_size = MAX_MESSAGE,
-     .buffer = LANE_BUFFER,
-     .per_ms = COMMAND_WORK_PER_MS,
-     .burst = OTHER_WORK_BURST,
-     .sender_per_s = MUTED_PER_S,
-     .receive = receive_command},
-    {.suffix = {"_COMMAND"},
-     .part = {.at = COMMAND_NAME_AT, .bytes = request_name, .size = sizeof request_name},
-     .max_size = MAX_MESSAGE,
-     .buffer = LANE_BUFFER,
-     .per_ms = REQUEST_WORK_PER_MS,
-     .burst = OTHER_WORK_BURST,
-     .sender_per_s = MUTED_PER_S,
-     .receive = receive_request},
-    {.suffix = {"_STATUS"},
-     .max_size = MAX_MESSAGE,
-     .buffer = LANE_BUFFER,
-     .per_ms = STATUS_WORK_PER_MS,
-     .burst = OTHER_WORK_BURST,
-     .sender_per_s = MUTED_PER_S,
-     .receive = receive_status}};
+    {LANE("_PROBE_#", POSE_WORK_PER_MS, POSE_WORK_BURST, 0, receive_pose)},
+    {LANE("_COMMAND", COMMAND_WORK_PER_MS, OTHER_WORK_BURST, MUTED_PER_S, receive_command),
+     .part = {REQUEST_NAME, .is_unwanted = true}},
+    {LANE("_COMMAND", REQUEST_WORK_PER_MS, OTHER_WORK_BURST, MUTED_PER_S, receive_request),
+     .part = {REQUEST_NAME}},
+    {LANE("_STATUS", STATUS_WORK_PER_MS, OTHER_WORK_BURST, MUTED_PER_S, receive_status)}};
 
 bool ss_net_wait(ss_net *net, int wake_fd, int timeout_ms)
 {

@@ -36,17 +36,21 @@ typedef struct ss_arg {
     const char *help;  /* each of its lines stands below the first */
 } ss_arg;
 
+/* Rows of the kinds without a range. */
+#define SS_ARG_ROW(name, kind, at, value, help)                                                    \
+    {                                                                                              \
+        (name), (kind), (at), 0, 0, (value), (help)                                                \
+    }
+#define SS_FLAG(name, at, help)          SS_ARG_ROW(name, SS_ARG_FLAG, at, "", help)
+#define SS_TEXT(name, at, value, help)   SS_ARG_ROW(name, SS_ARG_STRING, at, value, help)
+#define SS_LIST(name, at, value, help)   SS_ARG_ROW(name, SS_ARG_LIST, at, value, help)
+#define SS_CHOICE(name, at, value, help) SS_ARG_ROW(name, SS_ARG_CHOICE, at, value, help)
+
 /* The row of a client's LCM network, and with that of its channels. */
 #define SS_ARG_LCM_URL(at)                                                                         \
-    {                                                                                              \
-        "--lcm-url", SS_ARG_STRING, (at), 0, 0, "URL",                                             \
-            "LCM network (LCM_DEFAULT_URL, else local multicast)"                                  \
-    }
+    SS_TEXT("--lcm-url", (at), "URL", "LCM network (LCM_DEFAULT_URL, else local multicast)")
 #define SS_ARG_BUS(url_at, prefix_at)                                                              \
-    SS_ARG_LCM_URL(url_at),                                                                        \
-    {                                                                                              \
-        "--prefix", SS_ARG_STRING, (prefix_at), 0, 0, "NAME", "of the channels (SOFTSIM)"          \
-    }
+    SS_ARG_LCM_URL(url_at), SS_TEXT("--prefix", (prefix_at), "NAME", "of the channels (SOFTSIM)")
 
 typedef enum ss_args_result { SS_ARGS_RUN, SS_ARGS_DONE, SS_ARGS_BAD } ss_args_result;
 
@@ -58,6 +62,11 @@ ss_args_result ss_args_parse(int argc, char **argv, const char *usage, const cha
                              const ss_arg *rows, int32_t row_count, const char **positional,
                              int32_t positional_min, int32_t positional_max,
                              int32_t *out_positional_count, softsim_error *error);
+
+/* Of a program that takes options alone; `rows` is the array. */
+#define SS_ARGS_OPTIONS(argc, argv, usage, about, rows, error)                                     \
+    ss_args_parse((argc), (argv), (usage), (about), (rows),                                        \
+                  (int32_t)(sizeof(rows) / sizeof(rows)[0]), NULL, 0, 0, NULL, (error))
 
 /* What was asked for cannot be done, as against EXIT_FAILURE: it was tried. */
 enum { SS_EXIT_BAD_INPUT = 2 };

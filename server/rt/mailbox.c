@@ -13,6 +13,7 @@
 #include <stdalign.h>
 #include <stdatomic.h>
 
+#include "rt/each.h"
 #include "rt/memory.h"
 
 enum { LINE = 64, INDEX = 3, FRESH = 4 };
@@ -50,12 +51,10 @@ ss_mailbox *ss_mailbox_create(size_t value_size)
 
 void ss_mailbox_destroy(ss_mailbox **mailbox)
 {
-    if (*mailbox == NULL) {
-        return;
+    if (*mailbox != NULL) {
+        SS_EACH(ss_memory_free, (*mailbox)->values, *mailbox);
+        *mailbox = NULL;
     }
-    ss_memory_free((*mailbox)->values);
-    ss_memory_free(*mailbox);
-    *mailbox = NULL;
 }
 
 void *ss_mailbox_draft(ss_mailbox *mailbox)

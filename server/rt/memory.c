@@ -46,6 +46,23 @@ void ss_memory_free(void *memory)
     free(block);
 }
 
+void *ss_memory_grow(void *memory, int32_t count, int32_t *inout_room, size_t size)
+{
+    if (count < *inout_room) {
+        return memory;
+    }
+    const int32_t room = *inout_room == 0 ? 4096 : 2 * *inout_room;
+    void *larger = ss_memory_get((size_t)room, size);
+    if (larger != NULL) {
+        if (count > 0) {
+            memcpy(larger, memory, (size_t)count * size);
+        }
+        ss_memory_free(memory);
+        *inout_room = room;
+    }
+    return larger;
+}
+
 int64_t ss_memory_in_use(void)
 {
     return atomic_load_explicit(&bytes_in_use, memory_order_relaxed);

@@ -11,6 +11,9 @@
 
 /* NULL when out of memory or when count * size overflows; a zero count gives a valid pointer. */
 void *ss_memory_get(size_t count, size_t size);
+/* Room for one entry more than `count` of an array of *inout_room, twice as much where it is full;
+ * NULL when out of memory, and the array stays. */
+void *ss_memory_grow(void *memory, int32_t count, int32_t *inout_room, size_t size);
 /* Accepts NULL. */
 void ss_memory_free(void *memory);
 int64_t ss_memory_in_use(void);

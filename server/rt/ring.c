@@ -12,6 +12,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
+#include "rt/each.h"
 #include "rt/memory.h"
 
 enum { LINE = 64 };
@@ -55,12 +56,10 @@ ss_ring *ss_ring_create(size_t record_size, uint32_t capacity)
 
 void ss_ring_destroy(ss_ring **ring)
 {
-    if (*ring == NULL) {
-        return;
+    if (*ring != NULL) {
+        SS_EACH(ss_memory_free, (*ring)->records, *ring);
+        *ring = NULL;
     }
-    ss_memory_free((*ring)->records);
-    ss_memory_free(*ring);
-    *ring = NULL;
 }
 
 bool ss_ring_has_room(ss_ring *ring)

@@ -118,13 +118,13 @@ static void make_session(ss_session *session, ss_session_status status[STATUSES]
     memset(status, 0, STATUSES * sizeof *status);
     for (int i = 0; i < STATUSES; ++i) {
         status[i].receive_ns = (int64_t)i * SECOND_NS / 4;
-        status[i].seq = i;
-        status[i].periods[0] = (int64_t)250 * i;
-        status[i].missed[0] = i;
-        status[i].forces[0] = (int64_t)249 * i;
-        status[i].step = (int64_t)125 * i;
+        status[i].of.seq = i;
+        status[i].of.probe_periods[0] = (int64_t)250 * i;
+        status[i].of.probe_missed[0] = i;
+        status[i].of.probe_forces[0] = (int64_t)249 * i;
+        status[i].of.step = (int64_t)125 * i;
         for (int k = 0; k < 4; ++k) {
-            status[i].lateness_us[k] = i + 0.1 * k;
+            status[i].of.lateness_us[k] = i + 0.1 * k;
         }
     }
     for (int64_t i = 0; i < tick_count; ++i) {
@@ -180,12 +180,12 @@ TEST(sums_that_do_not_add_up_are_found)
     ss_figures figures;
     assert_true(ss_samples_init(&echo, 1));
     make_session(&session, status, &echo, tick, 100);
-    status[3].forces[0] -= 1;  /* before the run */
-    status[50].missed[7] += 1; /* a probe that nobody uses */
+    status[3].of.probe_forces[0] -= 1;  /* before the run */
+    status[50].of.probe_missed[7] += 1; /* a probe that nobody uses */
     for (int i = 60; i < STATUSES; ++i) {
-        status[i].seq += 4; /* four were lost */
+        status[i].of.seq += 4; /* four were lost */
     }
-    status[70].verdict = 2;
+    status[70].of.verdict = 2;
     snprintf(status[70].reason, sizeof status[70].reason, "slow");
     assert_true(ss_figures_compute(&session, &figures));
     assert_int_equal(figures.wrong_sums, 2);

@@ -66,32 +66,30 @@ static ss_args_result parse(int argc, char **argv, fit_options *out, softsim_err
 {
     fit_options o = {.press_s = 1.0, .max_evaluations = 300};
     const ss_arg rows[] = {
-        {"--scene", SS_ARG_STRING, &o.scene, 0, 0, "S.yaml",
-         "the scene, with values to start from"},
-        {"--curve", SS_ARG_LIST, &o.curve, 0, 0, "CSV", "a curve; may be given again"},
-        {"--case", SS_ARG_STRING, &o.folder, 0, 0, "DIR", "a reference case, instead of curves"},
-        {"--material", SS_ARG_STRING, &o.material, 0, 0, "NAME", "of the case (its first)"},
-        {"--mesh", SS_ARG_STRING, &o.mesh, 0, 0, "NAME", "of the case (its first)"},
-        {"--at", SS_ARG_LIST, &o.at, 0, 0, "X,Y,Z",
-         "m, world: where it is pressed; once, or once for each --curve in their order"},
-        {"--parameter", SS_ARG_LIST, &o.parameter, 0, 0, "PATH",
-         "model.NAME, or model.NAME.K.value of a region list (default: the material's)"},
-        {"--set", SS_ARG_LIST, &o.set, 0, 0, "PATH=VALUE",
-         "overrides one scene value, in the new scene too"},
+        SS_TEXT("--scene", &o.scene, "S.yaml", "the scene, with values to start from"),
+        SS_LIST("--curve", &o.curve, "CSV", "a curve; may be given again"),
+        SS_TEXT("--case", &o.folder, "DIR", "a reference case, instead of curves"),
+        SS_TEXT("--material", &o.material, "NAME", "of the case (its first)"),
+        SS_TEXT("--mesh", &o.mesh, "NAME", "of the case (its first)"),
+        SS_LIST("--at", &o.at, "X,Y,Z",
+                "m, world: where it is pressed; once, or once for each --curve in their order"),
+        SS_LIST("--parameter", &o.parameter, "PATH",
+                "model.NAME, or model.NAME.K.value of a region list (default: the material's)"),
+        SS_LIST("--set", &o.set, "PATH=VALUE", "overrides one scene value, in the new scene too"),
         {"--press-s", SS_ARG_NUMBER, &o.press_s, 1e-3, 1e4, "S",
          "how long a press, or the loading of a case, takes (1)"},
         {"--hold-depth-m", SS_ARG_NUMBER, &o.hold_depth_m, 1e-9, 1e3, "M",
          "how deep is held, for curves over time"},
         {"--max-evaluations", SS_ARG_INTEGER, &o.max_evaluations, 10, 1e6, "N",
          "of all curves, at most (300)"},
-        {"--out", SS_ARG_STRING, &o.out, 0, 0, "S2.yaml", "the new scene"},
-        {"--fitted", SS_ARG_STRING, &o.fitted, 0, 0, "CSV",
-         "the curves beside the model's: curve,at,force_n,fitted_n"},
+        SS_TEXT("--out", &o.out, "S2.yaml", "the new scene"),
+        SS_TEXT("--fitted", &o.fitted, "CSV",
+                "the curves beside the model's: curve,at,force_n,fitted_n"),
     };
-    const ss_args_result result = ss_args_parse(
+    const ss_args_result result = SS_ARGS_OPTIONS(
         argc, argv,
         "--scene S.yaml (--curve CSV... | --case DIR) [--parameter PATH]... --out S2.yaml", about,
-        rows, (int32_t)(sizeof rows / sizeof *rows), NULL, 0, 0, NULL, error);
+        rows, error);
     *out = o;
     if (result != SS_ARGS_RUN) {
         return result;

@@ -8,6 +8,7 @@
 #include <stdbool.h>
 
 #include "mesh/mesh.h"
+#include "rt/args.h"
 
 int command_check(int argc, char **argv);
 int command_convert(int argc, char **argv);
@@ -15,6 +16,10 @@ int command_generate(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_tetrahedralize(int argc, char **argv);
 
+/* A command that reads its arguments into `what` and works on that: the exit status of either. */
+int run_command(int argc, char **argv, void *what,
+                ss_args_result (*parse)(int argc, char **argv, void *what, softsim_error *error),
+                int (*work)(const void *what, softsim_error *error));
 /* Prints the faults of a command that did not end well; its exit status. */
 int end_command(int exit_code, const softsim_error *error);
 

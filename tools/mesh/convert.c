@@ -19,22 +19,23 @@ typedef struct conversion {
     bool is_mended, overwrites;
 } conversion;
 
-static ss_args_result parse(int argc, char **argv, conversion *c, softsim_error *error)
+static ss_args_result parse(int argc, char **argv, void *what, softsim_error *error)
 {
+    conversion *c = what;
     *c = (conversion){.units = -1, .to_units = -1};
     const ss_arg rows[] = {
-        {"--repair", SS_ARG_FLAG, &c->is_mended, 0, 0, "",
-         "welds nodes on top of others, drops flat and double elements and loose nodes, turns what "
-         "is inside out; tells what it did and what it left"},
-        {"--units", SS_ARG_CHOICE, &c->units, 0, 0, UNITS, "of IN"},
-        {"--to-units", SS_ARG_CHOICE, &c->to_units, 0, 0, UNITS, "of OUT (as IN)"},
-        {"--overwrite", SS_ARG_FLAG, &c->overwrites, 0, 0, "", "OUT may be IN"},
+        SS_FLAG("--repair", &c->is_mended,
+                "welds nodes on top of others, drops flat and double elements and loose nodes, "
+                "turns what "
+                "is inside out; tells what it did and what it left"),
+        SS_CHOICE("--units", &c->units, UNITS, "of IN"),
+        SS_CHOICE("--to-units", &c->to_units, UNITS, "of OUT (as IN)"),
+        SS_FLAG("--overwrite", &c->overwrites, "OUT may be IN"),
     };
-    int32_t count = 0;
     const ss_args_result result =
         ss_args_parse(argc, argv, "IN OUT [options]",
                       "Writes a mesh in the format that the name of OUT asks for.", rows,
-                      (int32_t)(sizeof rows / sizeof rows[0]), c->path, 2, 2, &count, error);
+                      (int32_t)(sizeof rows / sizeof rows[0]), c->path, 2, 2, NULL, error);
     if (result != SS_ARGS_RUN) {
         return result;
     }
@@ -112,8 +113,9 @@ static softsim_status mend(const char *path, ss_mesh **inout_mesh, softsim_error
 }
 
 /* Returns the exit status. */
-static int convert(const conversion *c, softsim_error *error)
+static int convert(const void *what, softsim_error *error)
 {
+    const conversion *c = what;
     ss_mesh *mesh = NULL;
     int result = 2;
     ss_progress_begin("softsim-mesh", "reading %s", c->path[0]);
@@ -140,11 +142,5 @@ static int convert(const conversion *c, softsim_error *error)
 int command_convert(int argc, char **argv)
 {
     conversion c;
-    softsim_error error = {0};
-    const ss_args_result result = parse(argc, argv, &c, &error);
-    int exit_code = 0;
-    if (ss_args_may_run("softsim-mesh", result, &error, &exit_code)) {
-        exit_code = end_command(convert(&c, &error), &error);
-    }
-    return exit_code;
+    return run_command(argc, argv, &c, parse, convert);
 }

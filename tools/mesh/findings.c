@@ -15,13 +15,8 @@ static void add_row(findings *f, const ss_mesh_fault *fault, const char *key, co
                     const char *where, const char *remedy, bool is_harmless)
 {
     if (fault->count > 0) {
-        f->row[f->row_count++] = (ss_mesh_finding){.key = key,
-                                                   .fault = fault,
-                                                   .what = what,
-                                                   .where = where,
-                                                   .remedy = remedy,
-                                                   .is_harmless = is_harmless,
-                                                   .is_minor = true};
+        f->row[f->row_count++] =
+            (ss_mesh_finding){key, fault, what, where, remedy, is_harmless, .is_minor = true};
     }
 }
 

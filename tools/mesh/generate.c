@@ -289,15 +289,16 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
     int32_t count = 0;
     *q = (request){.units = -1, .base_mm = NAN};
     const ss_arg rows[] = {
-        {"--tetrahedra", SS_ARG_FLAG, &q->has_tetrahedra, 0, 0, "",
-         "a volume, not its surface alone (not of a plane)"},
+        SS_FLAG("--tetrahedra", &q->has_tetrahedra,
+                "a volume, not its surface alone (not of a plane)"),
         {"--points", SS_ARG_INTEGER, &q->points, VOLUME_MIN_POINTS, VOLUME_MAX_POINTS, "N",
          "exactly N on the surface of a kidney, liver, ellipsoid (1200); else about N"},
-        {"--size-mm", SS_ARG_STRING, &size, 0, 0, "X,Y,Z",
-         "full lengths: ellipsoid (100,60,60), ventricle (20,20,40), ellipsoids (100,80,80), block "
-         "(100,100,100), beam (200,40,40)"},
-        {"--inner-mm", SS_ARG_STRING, &inner, 0, 0, "X,Y,Z",
-         "of the cavity: ventricle (14,14,34), ellipsoids (60,45,45)"},
+        SS_TEXT("--size-mm", &size, "X,Y,Z",
+                "full lengths: ellipsoid (100,60,60), ventricle (20,20,40), ellipsoids "
+                "(100,80,80), block "
+                "(100,100,100), beam (200,40,40)"),
+        SS_TEXT("--inner-mm", &inner, "X,Y,Z",
+                "of the cavity: ventricle (14,14,34), ellipsoids (60,45,45)"),
         {"--base-mm", SS_ARG_NUMBER, &q->base_mm, -1e6, 1e6, "Z",
          "ventricle: height at which it is cut, above its centre (5)"},
         {"--rows", SS_ARG_INTEGER, &q->rows, 2, 1000, "N",
@@ -308,11 +309,10 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
         {"--length-m", SS_ARG_NUMBER, &q->length_m, 1e-6, 1e3, "L", "cylinder (4)"},
         {"--width-m", SS_ARG_NUMBER, &q->width_m, 1e-6, 1e3, "W", "plane: along x (0.1)"},
         {"--height-m", SS_ARG_NUMBER, &q->height_m, 1e-6, 1e3, "H", "plane: along y (0.1)"},
-        {"--grid", SS_ARG_FLAG, &q->keeps_quads, 0, 0, "",
-         "cylinder, plane: as quads, not as triangles"},
-        {"--units", SS_ARG_CHOICE, &q->units, 0, 0, UNITS, "of the file (mm; cylinder, plane: m)"},
-        {"--out", SS_ARG_STRING, &q->out, 0, 0, "FILE",
-         ".obj, .msh or .vtk (SHAPE.obj; with tetrahedra SHAPE.msh); .obj has no groups"},
+        SS_FLAG("--grid", &q->keeps_quads, "cylinder, plane: as quads, not as triangles"),
+        SS_CHOICE("--units", &q->units, UNITS, "of the file (mm; cylinder, plane: m)"),
+        SS_TEXT("--out", &q->out, "FILE",
+                ".obj, .msh or .vtk (SHAPE.obj; with tetrahedra SHAPE.msh); .obj has no groups"),
     };
     char about[1024];
     describe(about, sizeof about);

@@ -40,15 +40,14 @@ static int begin(int argc, char **argv, const char *about, bool can_list, inspec
 {
     *in = (inspection){.units = -1};
     const ss_arg rows[] = {
-        {"--units", SS_ARG_CHOICE, &in->units, 0, 0, UNITS,
-         "of the file: lengths are given in metres then, else as they are"},
-        {"--json", SS_ARG_FLAG, &in->is_json, 0, 0, "", "prints one JSON object, for programs"},
-        {"--nodes", SS_ARG_FLAG, &in->lists_nodes, 0, 0, "", "lists every node: number, x, y, z"},
+        SS_CHOICE("--units", &in->units, UNITS,
+                  "of the file: lengths are given in metres then, else as they are"),
+        SS_FLAG("--json", &in->is_json, "prints one JSON object, for programs"),
+        SS_FLAG("--nodes", &in->lists_nodes, "lists every node: number, x, y, z"),
     };
-    int32_t count = 0;
     const ss_args_result result =
         ss_args_parse(argc, argv, "FILE [options]", about, rows, can_list ? 3 : 2, &in->path, 1, 1,
-                      &count, &in->error);
+                      NULL, &in->error);
     int exit_code = 0;
     if (!ss_args_may_run("softsim-mesh", result, &in->error, &exit_code)) {
         return exit_code;

@@ -21,6 +21,19 @@ int end_command(int exit_code, const softsim_error *error)
     return exit_code;
 }
 
+int run_command(int argc, char **argv, void *what,
+                ss_args_result (*parse)(int argc, char **argv, void *what, softsim_error *error),
+                int (*work)(const void *what, softsim_error *error))
+{
+    softsim_error error = {0};
+    const ss_args_result result = parse(argc, argv, what, &error);
+    int exit_code = 0;
+    if (ss_args_may_run("softsim-mesh", result, &error, &exit_code)) {
+        exit_code = end_command(work(what, &error), &error);
+    }
+    return exit_code;
+}
+
 double metres_per_unit(int index)
 {
     static const double metres[] = {1e-3, 1e-2, 1e-1, 1.0};

@@ -34,50 +34,30 @@ void solid_fini(solid *s)
     *s = (solid){0};
 }
 
-static bool grow(void **array, int32_t count, int32_t *room, size_t size)
-{
-    if (count < *room) {
-        return true;
-    }
-    const int32_t wanted = *room == 0 ? 1024 : 2 * *room;
-    void *larger = ss_memory_get((size_t)wanted, size);
-    if (larger == NULL) {
-        return false;
-    }
-    if (count > 0) {
-        memcpy(larger, *array, (size_t)count * size);
-    }
-    ss_memory_free(*array);
-    *array = larger;
-    *room = wanted;
-    return true;
-}
-
 bool solid_add_node(solid *s, const double x[3], int32_t *out_node)
 {
-    void *array = s->position;
-    const bool is_good = grow(&array, s->node_count, &s->node_room, sizeof *s->position);
-    s->position = array;
-    if (is_good) {
+    double(*all)[3] =
+        ss_memory_grow(s->position, s->node_count, &s->node_room, sizeof *s->position);
+    if (all != NULL) {
+        s->position = all;
         *out_node = s->node_count++;
         ss_copy3(s->position[*out_node], x);
     }
-    return is_good;
+    return all != NULL;
 }
 
 bool solid_add_tetrahedron(solid *s, int32_t a, int32_t b, int32_t c, int32_t d)
 {
-    void *array = s->tetrahedron;
-    const bool is_good =
-        grow(&array, s->tetrahedron_count, &s->tetrahedron_room, sizeof *s->tetrahedron);
-    s->tetrahedron = array;
-    if (is_good) {
+    int32_t(*all)[4] = ss_memory_grow(s->tetrahedron, s->tetrahedron_count, &s->tetrahedron_room,
+                                      sizeof *s->tetrahedron);
+    if (all != NULL) {
+        s->tetrahedron = all;
         const bool is_turned =
             ss_six_volumes3(s->position[a], s->position[b], s->position[c], s->position[d]) < 0.0;
         const int32_t node[4] = {a, b, is_turned ? d : c, is_turned ? c : d};
         memcpy(s->tetrahedron[s->tetrahedron_count++], node, sizeof node);
     }
-    return is_good;
+    return all != NULL;
 }
 
 double solid_badness(const double a[3], const double b[3], const double c[3], const double d[3],

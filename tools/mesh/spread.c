@@ -420,17 +420,6 @@ static bool relax(net *t, const organ *o)
 
 /* ---- 4. numbering ---- */
 
-typedef struct place_on_curve {
-    uint64_t key;
-    int32_t node;
-} place_on_curve;
-
-static int compare_places(const void *left, const void *right)
-{
-    const place_on_curve *a = left, *b = right;
-    return ss_order_then(ss_order_bits(a->key, b->key), ss_order_int(a->node, b->node));
-}
-
 static int compare_triangles(const void *left, const void *right)
 {
     return ss_order_ints(left, right, 3);
@@ -438,19 +427,17 @@ static int compare_triangles(const void *left, const void *right)
 
 static bool number_nodes(const net *t, spread *s)
 {
-    place_on_curve *order = ss_memory_get((size_t)t->node_count, sizeof *order);
+    int32_t *order = ss_memory_get((size_t)t->node_count, sizeof *order);
     int32_t *new_number = ss_memory_get((size_t)t->node_count, sizeof *new_number);
-    if (order != NULL && new_number != NULL) {
-        double low[3], high[3];
-        ss_bounds3(t->node_count, (const double(*)[3])t->x, low, high);
-        const double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+    double low[3], high[3];
+    ss_bounds3(t->node_count, (const double(*)[3])t->x, low, high);
+    const double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+    const bool is_done = order != NULL && new_number != NULL &&
+                         ss_mesh_curve_order(t->node_count, (const double(*)[3])t->x, size, order);
+    if (is_done) {
         for (int32_t i = 0; i < t->node_count; ++i) {
-            order[i] = (place_on_curve){ss_mesh_curve_place(t->x[i], low, size), i};
-        }
-        qsort(order, (size_t)t->node_count, sizeof *order, compare_places);
-        for (int32_t i = 0; i < t->node_count; ++i) {
-            new_number[order[i].node] = i;
-            ss_copy3(s->position[i], t->x[order[i].node]);
+            new_number[order[i]] = i;
+            ss_copy3(s->position[i], t->x[order[i]]);
         }
         /* Each triangle starts at its lowest node; triangles in the order of their nodes. */
         for (int32_t p = 0; p < t->triangle_count; ++p) {
@@ -463,9 +450,7 @@ static bool number_nodes(const net *t, spread *s)
         }
         qsort(s->triangle, (size_t)t->triangle_count, sizeof *s->triangle, compare_triangles);
     }
-    const bool is_done = order != NULL && new_number != NULL;
-    ss_memory_free(order);
-    ss_memory_free(new_number);
+    SS_EACH(ss_memory_free, order, new_number);
     return is_done;
 }
 

@@ -206,19 +206,11 @@ static void find_cut(const lattice *l, const double inside[3], const double outs
 
 static bool add_cut(lattice *l, const double x[3], int32_t *out)
 {
-    if (l->cut_count == l->cut_room) {
-        const int32_t room = l->cut_room == 0 ? 4096 : 2 * l->cut_room;
-        double(*larger)[3] = ss_memory_get((size_t)room, sizeof *larger);
-        if (larger == NULL) {
-            return false;
-        }
-        if (l->cut_count > 0) {
-            memcpy(larger, l->cut, (size_t)l->cut_count * sizeof *larger);
-        }
-        ss_memory_free(l->cut);
-        l->cut = larger;
-        l->cut_room = room;
+    double(*all)[3] = ss_memory_grow(l->cut, l->cut_count, &l->cut_room, sizeof *l->cut);
+    if (all == NULL) {
+        return false;
     }
+    l->cut = all;
     ss_copy3(l->cut[l->cut_count], x);
     *out = l->cut_count++;
     return true;

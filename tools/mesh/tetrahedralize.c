@@ -22,14 +22,15 @@ typedef struct request {
     double edge, edge_mm, timeout_s;
 } request;
 
-static ss_args_result parse(int argc, char **argv, request *q, softsim_error *error)
+static ss_args_result parse(int argc, char **argv, void *what, softsim_error *error)
 {
+    request *q = what;
     *q = (request){.units = -1, .timeout_s = 300.0};
     const ss_arg rows[] = {
         {"--edge", SS_ARG_NUMBER, &q->edge, 1e-12, 1e12, "X",
          "about the length of inner edges, in the file's own unit"},
         {"--edge-mm", SS_ARG_NUMBER, &q->edge_mm, 1e-9, 1e12, "X", "the same in millimetres"},
-        {"--units", SS_ARG_CHOICE, &q->units, 0, 0, UNITS, "of IN and OUT, for --edge-mm (mm)"},
+        SS_CHOICE("--units", &q->units, UNITS, "of IN and OUT, for --edge-mm (mm)"),
         {"--timeout-s", SS_ARG_NUMBER, &q->timeout_s, 0.1, 1e6, "S",
          "tetgen is stopped after that (300)"},
     };
@@ -139,8 +140,9 @@ static double volume_bound(double edge)
 }
 
 /* Returns the exit status. */
-static int tetrahedralize(const request *q, softsim_error *error)
+static int tetrahedralize(const void *what, softsim_error *error)
 {
+    const request *q = what;
     ss_mesh *surface = NULL;
     ss_mesh *volume = NULL;
     ss_progress_begin("softsim-mesh", "reading %s", q->path[0]);
@@ -166,11 +168,5 @@ static int tetrahedralize(const request *q, softsim_error *error)
 int command_tetrahedralize(int argc, char **argv)
 {
     request q;
-    softsim_error error = {0};
-    const ss_args_result result = parse(argc, argv, &q, &error);
-    int exit_code = 0;
-    if (ss_args_may_run("softsim-mesh", result, &error, &exit_code)) {
-        exit_code = end_command(tetrahedralize(&q, &error), &error);
-    }
-    return exit_code;
+    return run_command(argc, argv, &q, parse, tetrahedralize);
 }

@@ -97,20 +97,20 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
 {
     run_options o = {.threads = 1};
     const ss_arg rows[] = {
-        {"--poses", SS_ARG_STRING, &o.poses, 0, 0, "LOG|CSV",
-         "probe poses: an event log, or time_s,probe,x,y,z,qw,qx,qy,qz,buttons"},
+        SS_TEXT("--poses", &o.poses, "LOG|CSV",
+                "probe poses: an event log, or time_s,probe,x,y,z,qw,qx,qy,qz,buttons"),
         {"--dt", SS_ARG_NUMBER, &o.step_s, 1e-7, 1.0, "S",
          "outer step and tick (default: the scene's haptic period); not with an event log"},
         {"--duration", SS_ARG_NUMBER, &o.duration_s, 1e-6, 1e9, "S",
          "simulated seconds (default: to the end of the poses)"},
         {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N", "results do not depend on it"},
-        {"--set", SS_ARG_LIST, &o.set, 0, 0, "PATH=VALUE", "overrides one scene value"},
-        {"--csv", SS_ARG_STRING, &o.csv, 0, 0, "OUT", csv_help},
-        {"--reactions", SS_ARG_STRING, &o.reactions, 0, 0, "OUT", reactions_help},
-        {"--nodes", SS_ARG_STRING, &o.nodes, 0, 0, "OUT", nodes_help},
-        {"--vtk", SS_ARG_STRING, &o.vtk, 0, 0, "DIR", "the surface as legacy VTK, every --every"},
+        SS_LIST("--set", &o.set, "PATH=VALUE", "overrides one scene value"),
+        SS_TEXT("--csv", &o.csv, "OUT", csv_help),
+        SS_TEXT("--reactions", &o.reactions, "OUT", reactions_help),
+        SS_TEXT("--nodes", &o.nodes, "OUT", nodes_help),
+        SS_TEXT("--vtk", &o.vtk, "DIR", "the surface as legacy VTK, every --every"),
         {"--every", SS_ARG_INTEGER, &o.every, 1, 1e9, "N", "ticks between VTK files"},
-        {"--hash", SS_ARG_FLAG, &o.hash, 0, 0, "", "prints the final state hash"},
+        SS_FLAG("--hash", &o.hash, "prints the final state hash"),
     };
     int32_t count = 0;
     const ss_args_result result = ss_args_parse(

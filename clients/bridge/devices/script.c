@@ -80,8 +80,7 @@ softsim_status ss_script_create(const char *csv_path, double period_s, ss_device
 
 static const char *chosen_path;
 static const ss_arg options[] = {
-    {"--path", SS_ARG_STRING, &chosen_path, 0, 0, "POSES.csv",
-     "script: time_s,probe,x,y,z,qw,qx,qy,qz,buttons"},
+    SS_TEXT("--path", &chosen_path, "POSES.csv", "script: time_s,probe,x,y,z,qw,qx,qy,qz,buttons"),
 };
 
 static void check(bool is_chosen, softsim_error *error)

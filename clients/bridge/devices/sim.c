@@ -179,10 +179,10 @@ softsim_status ss_sim_create(const ss_sim_config *config, ss_device *out_device,
 
 static int32_t chosen_body = SS_BODY_MEDIUM, chosen_grip = SS_GRIP_MEDIUM, chosen_script;
 static const ss_arg options[] = {
-    {"--body", SS_ARG_CHOICE, &chosen_body, 0, 0, "light|medium|heavy", "sim: the device (medium)"},
-    {"--grip", SS_ARG_CHOICE, &chosen_grip, 0, 0, "soft|medium|firm", "sim: the hand (medium)"},
-    {"--script", SS_ARG_CHOICE, &chosen_script, 0, 0, "press|poke|tap|slide|grasp",
-     "sim: what the hand does, z out of the tissue (press)"},
+    SS_CHOICE("--body", &chosen_body, "light|medium|heavy", "sim: the device (medium)"),
+    SS_CHOICE("--grip", &chosen_grip, "soft|medium|firm", "sim: the hand (medium)"),
+    SS_CHOICE("--script", &chosen_script, "press|poke|tap|slide|grasp",
+              "sim: what the hand does, z out of the tissue (press)"),
 };
 
 static softsim_status create(const ss_device_setup *setup, ss_device *out_device,

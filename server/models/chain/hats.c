@@ -10,10 +10,8 @@
  * Phi of coarse.c is the fitted one throughout.
  */
 #include <math.h>
-#include <stdlib.h>
 
 #include "rt/memory.h"
-#include "rt/order.h"
 #include "rt/vec.h"
 
 /* Radius of a hat over the spacing of the cells. */
@@ -61,17 +59,6 @@ static int32_t pad_up(int32_t count, int32_t to)
     return (count + to - 1) / to * to;
 }
 
-typedef struct key {
-    uint64_t place;
-    int32_t node;
-} key;
-
-static int compare(const void *a, const void *b)
-{
-    const key *x = a, *y = b;
-    return ss_order_then(ss_order_bits(x->place, y->place), ss_order_int(x->node, y->node));
-}
-
 /* Half the elements of a cell, so that a hat is nearly linear over a block. */
 static int32_t block_size(int32_t node_count, int32_t cells)
 {
@@ -88,27 +75,21 @@ static softsim_status build_blocks(ss_chain_coarse *coarse, const ss_mesh *mesh,
     hats->cell_count = coarse->row;
     hats->block_count = pad_up(n, hats->block) / hats->block;
     const size_t padded = (size_t)hats->block_count * (size_t)hats->block;
-    key *order = ss_memory_get((size_t)n, sizeof *order);
+    int32_t *order = ss_memory_get((size_t)n, sizeof *order);
     hats->node = ss_arena_get(arena, padded, sizeof *hats->node);
     hats->taking_part = ss_arena_get(arena, padded, sizeof *hats->taking_part);
     hats->nobody = 4 * n;
     SS_ARENA_TAKE(arena, SS_ROOM(3 * padded, hats->place),
                   SS_ROOM((size_t)hats->block_count + 1, hats->first),
                   SS_ROOM((size_t)n, coarse->slot));
-    const bool is_good = order && ss_arena_status(arena) == SOFTSIM_OK;
-    double low[3], high[3];
-    ss_bounds3(n, (const double(*)[3])mesh->position, low, high);
-    for (int32_t i = 0; is_good && i < n; ++i) {
-        order[i] = (key){ss_mesh_curve_place(mesh->position[i], low, diagonal), i};
-    }
-    if (is_good) {
-        qsort(order, (size_t)n, sizeof *order, compare);
-    }
+    const bool is_good =
+        order && ss_arena_status(arena) == SOFTSIM_OK &&
+        ss_mesh_curve_order(n, (const double(*)[3])mesh->position, diagonal, order);
     for (int32_t s = 0; is_good && s < (int32_t)padded; ++s) {
-        hats->node[s] = 4 * (s < n ? order[s].node : n);
+        hats->node[s] = 4 * (s < n ? order[s] : n);
         hats->taking_part[s] = hats->nobody;
         if (s < n) {
-            coarse->slot[order[s].node] = s;
+            coarse->slot[order[s]] = s;
         }
     }
     ss_memory_free(order);

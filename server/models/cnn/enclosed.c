@@ -138,19 +138,27 @@ static void add_normal(const ss_model *model, int32_t i, double s, ss_real *out)
     }
 }
 
+/* Of each of several bodies: `along`, its change of volume along x. */
+static void sum_changes(const ss_model *model, const ss_real *x)
+{
+    ss_cnn_enclosed *enclosed = model->enclosed;
+    for (int32_t k = 0; k < model->enclosed_count; ++k) {
+        enclosed[k].along = 0.0;
+    }
+    for (int32_t i = 0; i < model->node_count; ++i) {
+        if (model->body[i] >= 0) {
+            enclosed[model->body[i]].along += node_change(model, i, x);
+        }
+    }
+}
+
 /* Of several bodies: changes of volume at `u`, pressures, and their forces. */
 static void press_bodies(ss_model *model, const ss_real *u)
 {
     ss_cnn_enclosed *enclosed = model->enclosed;
+    sum_changes(model, u);
     for (int32_t k = 0; k < model->enclosed_count; ++k) {
-        enclosed[k].change = 0.0;
-    }
-    for (int32_t i = 0; i < model->node_count; ++i) {
-        if (model->body[i] >= 0) {
-            enclosed[model->body[i]].change += node_change(model, i, u);
-        }
-    }
-    for (int32_t k = 0; k < model->enclosed_count; ++k) {
+        enclosed[k].change = enclosed[k].along;
         enclosed[k].pressure = model->material.bulk / enclosed[k].volume * enclosed[k].change;
     }
     for (int32_t i = 0; i < model->node_count; ++i) {
@@ -176,14 +184,7 @@ static double tangent_of_bodies(const ss_model *model, const ss_real *x, ss_real
 {
     ss_cnn_enclosed *enclosed = model->enclosed;
     double square = 0.0;
-    for (int32_t k = 0; k < model->enclosed_count; ++k) {
-        enclosed[k].along = 0.0;
-    }
-    for (int32_t i = 0; i < model->node_count; ++i) {
-        if (model->body[i] >= 0) {
-            enclosed[model->body[i]].along += node_change(model, i, x);
-        }
-    }
+    sum_changes(model, x);
     for (int32_t k = 0; k < model->enclosed_count; ++k) {
         square += model->material.bulk / enclosed[k].volume * enclosed[k].along * enclosed[k].along;
     }

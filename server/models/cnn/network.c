@@ -284,16 +284,15 @@ fail:
 void ss_cnn_network_destroy(ss_cnn_network **network)
 {
     ss_cnn_network *gone = *network;
-    if (!gone) {
-        return;
-    }
-    if (gone->factor) {
+    if (gone && gone->factor) {
         ss_factor_fini(&gone->factor->ldl);
         ss_arena_free(&gone->factor->matrix);
     }
-    ss_arena_free(&gone->arena);
-    ss_memory_free(gone);
-    *network = NULL;
+    if (gone) {
+        ss_arena_free(&gone->arena);
+        ss_memory_free(gone);
+        *network = NULL;
+    }
 }
 
 int64_t ss_cnn_network_bytes(const ss_cnn_network *network)

@@ -185,13 +185,11 @@ softsim_status ss_cnn_relax_create(const ss_cnn_network *network, const ss_mesh 
 
 void ss_cnn_relax_destroy(ss_cnn_relax **relax)
 {
-    ss_cnn_relax *gone = *relax;
-    if (!gone) {
-        return;
+    if (*relax) {
+        ss_arena_free(&(*relax)->arena);
+        ss_memory_free(*relax);
+        *relax = NULL;
     }
-    ss_arena_free(&gone->arena);
-    ss_memory_free(gone);
-    *relax = NULL;
 }
 
 void ss_cnn_relax_reset(ss_cnn_relax *relax)

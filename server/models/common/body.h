@@ -67,6 +67,10 @@ typedef struct ss_body_elastic {
     /* s, viscosity over stiffness: motions y meet y.C y = viscous_time y.K y; 0 without. */
     double viscous_time;
 } ss_body_elastic;
+/* What every model gives; the rest is named beside it. */
+#define SS_BODY_ELASTIC(of, its_force, its_tangent, its_diagonal, its_stable_step)                 \
+    .owner = (of), .force = (its_force), .tangent = (its_tangent), .diagonal = (its_diagonal),     \
+    .stable_step = (its_stable_step)
 
 /* A surface that rides on the nodes and takes the contact in their place (NULL mesh: the contact
  * acts on the surface of the plan's mesh, whose nodes are the first of the body's). */

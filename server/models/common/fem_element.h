@@ -573,6 +573,17 @@ SS_INLINE ss_wide resisted_change(ss_tissue_kind kind, const tensor *h, const te
     return t + product(h, x);
 }
 
+SS_INLINE double largest_lane(ss_wide a)
+{
+    _Alignas(32) ss_real lane[SS_WIDE_LANES];
+    ss_wide_store(lane, a);
+    double largest = 0.0;
+    for (int k = 0; k < SS_WIDE_LANES; ++k) {
+        largest = (double)lane[k] > largest ? (double)lane[k] : largest;
+    }
+    return largest;
+}
+
 /* of(kind, ...) with the law known to the compiler: a kernel for each. */
 #define BY_LAW(kind, of, ...)                                                                      \
     switch (kind) {                                                                                \

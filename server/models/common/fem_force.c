@@ -43,7 +43,5 @@ void ss_fem_tangent(void *owner, const ss_real *x, ss_real *out)
 void ss_fem_diagonal(void *owner, double *diagonal)
 {
     const ss_fem *fem = owner;
-    for (int32_t i = 0; i < fem->blocks.node_count; ++i) {
-        diagonal[i] += fem->diagonal[i];
-    }
+    ss_fem_add_diagonal(fem->blocks.node_count, fem->diagonal, diagonal);
 }

@@ -58,17 +58,6 @@ SS_INLINE element element_at(const ss_fem_pass *pass, int32_t block, int lane)
     return e;
 }
 
-SS_INLINE double largest_lane(ss_wide a)
-{
-    _Alignas(32) ss_real lane[SS_WIDE_LANES];
-    ss_wide_store(lane, a);
-    double largest = 0.0;
-    for (int k = 0; k < SS_WIDE_LANES; ++k) {
-        largest = (double)lane[k] > largest ? (double)lane[k] : largest;
-    }
-    return largest;
-}
-
 SS_INLINE void force_of(ss_tissue_kind kind, bool is_viscous, ss_fem_pass *pass)
 {
     const int32_t count = pass->blocks->count;

@@ -162,10 +162,9 @@ double ss_tools_parts(const ss_tools *tools)
     double parts = 1.0;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_tool *tool = &tools->tool[k];
-        if (tool->is_present) {
-            const double way = ss_tool_motion_bound(tool->shape, &tool->from, &tool->to);
-            parts = fmax(parts, ceil(4.0 * way / tool->radius - 1e-9));
-        }
+        const double way =
+            tool->is_present ? ss_tool_motion_bound(tool->shape, &tool->from, &tool->to) : 0.0;
+        parts = way > 0.0 ? fmax(parts, ceil(4.0 * way / tool->radius - 1e-9)) : parts;
     }
     return parts;
 }

@@ -139,13 +139,9 @@ static softsim_status create_body(ss_model *model, softsim_error *error)
                                .edge = model->edge,
                                .planned_step = (double)INFINITY,
                                .step_share = 1.0,
-                               .elastic = {.owner = model,
-                                           .force = ss_corot_force,
-                                           .tangent = ss_corot_tangent,
-                                           .diagonal = add_diagonal,
-                                           .stable_step = stable_step,
-                                           .advance = ss_corot_advance,
-                                           .reset = forget,
+                               .elastic = {SS_BODY_ELASTIC(model, ss_corot_force, ss_corot_tangent,
+                                                           add_diagonal, stable_step),
+                                           .advance = ss_corot_advance, .reset = forget,
                                            .hash = hash_last,
                                            .viscous_time = model->material.viscous_time}};
     const softsim_status status = ss_body_create(&plan, &model->body, error);

@@ -176,13 +176,9 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
                  .carry = ss_quadratic_skin_carry,
                  .carry_diagonal = ss_quadratic_skin_carry_diagonal,
                  .rate2 = ss_quadratic_skin_rate2},
-        .elastic = {.owner = &model->quadratic,
-                    .force = ss_quadratic_force,
-                    .tangent = ss_quadratic_tangent,
-                    .diagonal = ss_quadratic_diagonal,
-                    .viscous_time = model->material.viscous_time,
-                    .stable_step = ss_quadratic_stable_step,
-                    .reset = ss_quadratic_reset,
+        .elastic = {SS_BODY_ELASTIC(&model->quadratic, ss_quadratic_force, ss_quadratic_tangent,
+                                    ss_quadratic_diagonal, ss_quadratic_stable_step),
+                    .viscous_time = model->material.viscous_time, .reset = ss_quadratic_reset,
                     .hash = ss_quadratic_hash}};
     status = ss_body_create(&body, &model->body, error);
     if (status == SOFTSIM_OK) {

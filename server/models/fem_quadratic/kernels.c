@@ -298,17 +298,6 @@ SS_INLINE void force_block(ss_tissue_kind kind, bool is_curved, bool is_viscous,
     spread_columns(&c, &f, -1.0, pass->out);
 }
 
-SS_INLINE double largest_lane(ss_wide a)
-{
-    _Alignas(32) ss_real lane[SS_WIDE_LANES];
-    ss_wide_store(lane, a);
-    double largest = 0.0;
-    for (int k = 0; k < SS_WIDE_LANES; ++k) {
-        largest = (double)lane[k] > largest ? (double)lane[k] : largest;
-    }
-    return largest;
-}
-
 SS_INLINE void force_run(ss_tissue_kind kind, bool is_curved, bool is_viscous,
                          ss_quadratic_pass *pass, int32_t from, int32_t to)
 {

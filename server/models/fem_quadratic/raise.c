@@ -18,6 +18,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -38,12 +39,7 @@ typedef struct sides {
 
 static void sides_free(sides *s)
 {
-    ss_memory_free(s->first);
-    ss_memory_free(s->next);
-    ss_memory_free(s->low);
-    ss_memory_free(s->high);
-    ss_memory_free(s->is_surface);
-    ss_memory_free(s->triangle);
+    SS_EACH(ss_memory_free, s->first, s->next, s->low, s->high, s->is_surface, s->triangle);
 }
 
 static bool sides_init(sides *s, const ss_mesh *mesh)

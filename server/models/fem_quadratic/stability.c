@@ -68,9 +68,7 @@ void ss_quadratic_tangent(void *owner, const ss_real *x, ss_real *out)
 void ss_quadratic_diagonal(void *owner, double *diagonal)
 {
     const ss_quadratic *own = owner;
-    for (int32_t i = 0; i < own->blocks.node_count; ++i) {
-        diagonal[i] += own->diagonal[i];
-    }
+    ss_fem_add_diagonal(own->blocks.node_count, own->diagonal, diagonal);
 }
 
 /* ---- power iteration ---- */

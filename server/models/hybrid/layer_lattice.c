@@ -159,19 +159,12 @@ static void wind(lattice *l)
 
 static bool add_site(ss_layer_sites *sites, const ss_layer_site *site)
 {
-    if (sites->count == sites->capacity) {
-        const int32_t capacity = sites->capacity > 0 ? 2 * sites->capacity : 4096;
-        ss_layer_site *grown = ss_memory_get((size_t)capacity, sizeof *grown);
-        if (grown == NULL) {
-            return false;
-        }
-        if (sites->count > 0) {
-            memcpy(grown, sites->site, (size_t)sites->count * sizeof *grown);
-        }
-        ss_memory_free(sites->site);
-        sites->site = grown;
-        sites->capacity = capacity;
+    ss_layer_site *all =
+        ss_memory_grow(sites->site, sites->count, &sites->capacity, sizeof *sites->site);
+    if (all == NULL) {
+        return false;
     }
+    sites->site = all;
     sites->site[sites->count++] = *site;
     return true;
 }

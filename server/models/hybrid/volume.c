@@ -207,16 +207,16 @@ void ss_hybrid_remove_point(ss_hybrid *hybrid, int32_t p)
 static ss_layer_pass pass_of(ss_hybrid *hybrid, const ss_real *u, const ss_real *v, ss_real *force)
 {
     ss_hybrid_gather_near(hybrid);
-    return (ss_layer_pass){.near = &hybrid->near_rows,
-                           .u = u,
-                           .v = v,
-                           .force = force,
-                           .state = hybrid->state,
-                           .particle_force = hybrid->particle_force,
-                           .coefficient = hybrid->coefficient,
-                           .gradient = hybrid->gradient,
-                           .spread = hybrid->spread,
-                           .stress = hybrid->stress};
+    return (ss_layer_pass){&hybrid->near_rows,
+                           u,
+                           v,
+                           force,
+                           hybrid->state,
+                           hybrid->particle_force,
+                           hybrid->coefficient,
+                           hybrid->gradient,
+                           hybrid->spread,
+                           hybrid->stress};
 }
 
 static ss_fem_pass core_pass(const ss_hybrid *hybrid, const ss_real *u)

@@ -443,22 +443,17 @@ static softsim_status create_body(ss_model *model, const ss_model_plan *plan, so
     } else if (status == SOFTSIM_OK) {
         ss_body_area_masses(mesh, density, mass);
     }
-    const ss_body_plan body = {.name = "mass-spring",
-                               .plan = plan,
-                               .node_count = mesh->node_count,
-                               .mass = mass,
-                               .mass_damping = model->damping,
-                               .edge = ss_body_mean_edge(mesh),
-                               .step_share = STEP_SHARE,
-                               .integrator = model->integrator,
-                               .elastic = {.owner = model,
-                                           .force = force,
-                                           .tangent = tangent,
-                                           .diagonal = diagonal,
-                                           .stable_step = stable_step,
-                                           .reset = reset_state,
-                                           .hash = hash_state,
-                                           .viscous_time = model->viscous_time}};
+    const ss_body_plan body = {
+        .name = "mass-spring",
+        .plan = plan,
+        .node_count = mesh->node_count,
+        .mass = mass,
+        .mass_damping = model->damping,
+        .edge = ss_body_mean_edge(mesh),
+        .step_share = STEP_SHARE,
+        .integrator = model->integrator,
+        .elastic = {SS_BODY_ELASTIC(model, force, tangent, diagonal, stable_step),
+                    .reset = reset_state, .hash = hash_state, .viscous_time = model->viscous_time}};
     if (status == SOFTSIM_OK) {
         status = ss_body_create(&body, &model->body, error);
     }

@@ -191,20 +191,16 @@ static softsim_status create_body(ss_model *model, const ss_model_plan *plan, so
                                 .mass = mass,
                                 .fixed = plan->fixed};
     softsim_status status = ss_fem_create(&setup, &model->fem);
-    const ss_body_plan body = {.name = "xpbd",
-                               .plan = plan,
-                               .node_count = mesh->node_count,
-                               .mass = mass,
-                               .mass_damping = plan->param[ROW_MASS_DAMPING].number,
-                               .edge = ss_body_mean_edge(mesh),
-                               .step_share = STEP_SHARE,
-                               .elastic = {.owner = model,
-                                           .force = force,
-                                           .tangent = tangent,
-                                           .diagonal = diagonal,
-                                           .stable_step = stable_step,
-                                           .advance = advance,
-                                           .reset = reset_state}};
+    const ss_body_plan body = {
+        .name = "xpbd",
+        .plan = plan,
+        .node_count = mesh->node_count,
+        .mass = mass,
+        .mass_damping = plan->param[ROW_MASS_DAMPING].number,
+        .edge = ss_body_mean_edge(mesh),
+        .step_share = STEP_SHARE,
+        .elastic = {SS_BODY_ELASTIC(model, force, tangent, diagonal, stable_step),
+                    .advance = advance, .reset = reset_state}};
     if (status == SOFTSIM_OK) {
         status = ss_body_create(&body, &model->body, error);
     }

@@ -458,11 +458,11 @@ static int run_report(int argc, char **argv)
     report r = {.out = "ablation-report"};
     softsim_error error = {.status = SOFTSIM_OK};
     const ss_arg rows[] = {
-        {"--out", SS_ARG_STRING, &r.out, 0, 0, "DIR", "for the report (ablation-report)"},
+        SS_TEXT("--out", &r.out, "DIR", "for the report (ablation-report)"),
     };
-    const ss_args_result parsed = ss_args_parse(
-        argc, argv, "[options]", "Measures what the plan leaves out, with and without it.", rows,
-        (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, &error);
+    const ss_args_result parsed =
+        SS_ARGS_OPTIONS(argc, argv, "[options]",
+                        "Measures what the plan leaves out, with and without it.", rows, &error);
     int exit_code = 0;
     if (!ss_args_may_run(argv[0], parsed, &error, &exit_code)) {
         return exit_code;

@@ -57,32 +57,32 @@ static ss_args_result parse(int argc, char **argv, ss_accuracy_options *out, sof
 {
     ss_accuracy_options o = {.out = "accuracy-report", .jobs = 1};
     const ss_arg rows[] = {
-        {"--case", SS_ARG_LIST, &o.cases, 0, 0, "DIR",
-         "a reference problem, a folder with a case.yaml; may be given again (all of "
-         "tests/reference)"},
-        {"--scene", SS_ARG_STRING, &o.scene, 0, 0, "SCENE.yaml",
-         "a scene in place of cases, with gravity, one pressure or one prescribed set: its "
-         "reference is made by refinement, and judged"},
-        {"--model", SS_ARG_STRING, &o.model, 0, 0, "A,B", "these models only"},
-        {"--set", SS_ARG_LIST, &o.set, 0, 0, "KEY=VALUE",
-         "a parameter of physical models that the case does not give, as "
-         "locking_cure=nodal-pressure; may be given again"},
-        {"--mesh", SS_ARG_STRING, &o.mesh, 0, 0, "M,N", "these meshes of the cases only"},
-        {"--quick", SS_ARG_FLAG, &o.is_quick, 0, 0, NULL,
-         "the two coarsest meshes, up to 2000 nodes, and the first and last level"},
+        SS_LIST("--case", &o.cases, "DIR",
+                "a reference problem, a folder with a case.yaml; may be given again (all of "
+                "tests/reference)"),
+        SS_TEXT("--scene", &o.scene, "SCENE.yaml",
+                "a scene in place of cases, with gravity, one pressure or one prescribed set: its "
+                "reference is made by refinement, and judged"),
+        SS_TEXT("--model", &o.model, "A,B", "these models only"),
+        SS_LIST("--set", &o.set, "KEY=VALUE",
+                "a parameter of physical models that the case does not give, as "
+                "locking_cure=nodal-pressure; may be given again"),
+        SS_TEXT("--mesh", &o.mesh, "M,N", "these meshes of the cases only"),
+        SS_FLAG("--quick", &o.is_quick,
+                "the two coarsest meshes, up to 2000 nodes, and the first and last level"),
         {"--budget-us", SS_ARG_NUMBER, &o.budget_us, 1e-3, 1e9, "N",
          "names the most accurate choice whose step takes no longer"},
-        {"--compare", SS_ARG_LIST, &o.compare, 0, 0, "FILE.csv",
-         "rows of other programs, with the columns of accuracy.csv, into the same pictures"},
+        SS_LIST("--compare", &o.compare, "FILE.csv",
+                "rows of other programs, with the columns of accuracy.csv, into the same pictures"),
         {"--jobs", SS_ARG_INTEGER, &o.jobs, 1, SS_SWEEP_MAX_JOBS, "N", "processes at a time (1)"},
-        {"--out", SS_ARG_STRING, &o.out, 0, 0, "DIR", "for the report (accuracy-report)"},
+        SS_TEXT("--out", &o.out, "DIR", "for the report (accuracy-report)"),
     };
     const ss_args_result result =
-        ss_args_parse(argc, argv, "[options]",
-                      "Measures the error of every model against its run time on problems with "
-                      "trusted solutions. The same command goes on where it was killed, and runs "
-                      "under mpirun.",
-                      rows, (int32_t)(sizeof rows / sizeof *rows), NULL, 0, 0, NULL, error);
+        SS_ARGS_OPTIONS(argc, argv, "[options]",
+                        "Measures the error of every model against its run time on problems with "
+                        "trusted solutions. The same command goes on where it was killed, and runs "
+                        "under mpirun.",
+                        rows, error);
     *out = o;
     if (result == SS_ARGS_RUN && strlen(o.out) > SS_ACCURACY_PATH - 300) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out: too long a path");

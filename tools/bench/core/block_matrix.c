@@ -104,12 +104,11 @@ softsim_status ss_block_matrix_create(int32_t node_count, int32_t tetrahedron_co
 void ss_block_matrix_destroy(ss_block_matrix **matrix)
 {
     ss_block_matrix *gone = *matrix;
-    if (!gone) {
-        return;
+    if (gone) {
+        SS_EACH(ss_memory_free, gone->first, gone->column, gone->diagonal, gone->block,
+                gone->inverse, gone->work, gone);
+        *matrix = NULL;
     }
-    SS_EACH(ss_memory_free, gone->first, gone->column, gone->diagonal, gone->block, gone->inverse,
-            gone->work, gone);
-    *matrix = NULL;
 }
 
 void ss_block_matrix_clear(ss_block_matrix *matrix)

@@ -87,20 +87,12 @@ softsim_status ss_report_make_folder(const char *folder, softsim_error *error)
 static void put_escaped(FILE *file, const char *text)
 {
     for (; *text != '\0'; ++text) {
-        switch (*text) {
-        case '<':
-            fputs("&lt;", file);
-            break;
-        case '>':
-            fputs("&gt;", file);
-            break;
-        case '&':
-            fputs("&amp;", file);
-            break;
-        case '"':
-            fputs("&quot;", file);
-            break;
-        default:
+        static const char special[] = "<>&\"";
+        static const char *const written[] = {"&lt;", "&gt;", "&amp;", "&quot;"};
+        const char *found = strchr(special, *text);
+        if (found != NULL) {
+            fputs(written[found - special], file);
+        } else {
             fputc(*text, file);
         }
     }

@@ -460,14 +460,10 @@ static softsim_status plot_scene(const report *r, const ss_sweep_result *result,
     }
     snprintf(picture, sizeof picture, "felt-%s", name);
     const softsim_status status =
-        ss_plot_open_sized(&script, r->base.out, picture, 900, 60 + 230 * panels, error);
+        ss_felt_plot_open(&r->base, &script, picture, panels, 230, "", error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fprintf(script.file,
-            "set datafile separator ','\nset multiplot layout %d,1\nset grid\n"
-            "set ylabel 'force, N'\nset key outside right top\n",
-            panels);
     for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
         if (!ss_felt_has_rows(&result->run[scene * SS_FELT_PATHS + p])) {
             continue;
@@ -664,16 +660,14 @@ static ss_args_result parse_options(int argc, char **argv, ss_felt_report *base,
     r->delays = "0";
     const ss_arg rows[] = {
         SS_FELT_ROWS(base),
-        {"--rates", SS_ARG_STRING, &r->rates, 0, 0, "N,N",
-         "of the simulation, Hz, 10 to 1000 (30,60,120,300,500; quick: 60,300)"},
-        {"--delays-ms", SS_ARG_STRING, &r->delays, 0, 0, "N,N",
-         "of the bus, one way, whole ms, 0 to 20 (0)"},
-        {"--quick", SS_ARG_FLAG, &r->is_quick, 0, 0, NULL,
-         "two rates, and not the run at 10,000 Hz"},
-        {"--hands", SS_ARG_FLAG, &r->is_hands, 0, 0, NULL,
-         "simulated hands in closed loop in place of given paths; more: --hands --help"},
-        {"--slide", SS_ARG_FLAG, &r->is_slide, 0, 0, NULL,
-         "slides over the surface in place of all paths; more: --slide --help"},
+        SS_TEXT("--rates", &r->rates, "N,N",
+                "of the simulation, Hz, 10 to 1000 (30,60,120,300,500; quick: 60,300)"),
+        SS_TEXT("--delays-ms", &r->delays, "N,N", "of the bus, one way, whole ms, 0 to 20 (0)"),
+        SS_FLAG("--quick", &r->is_quick, "two rates, and not the run at 10,000 Hz"),
+        SS_FLAG("--hands", &r->is_hands,
+                "simulated hands in closed loop in place of given paths; more: --hands --help"),
+        SS_FLAG("--slide", &r->is_slide,
+                "slides over the surface in place of all paths; more: --slide --help"),
     };
     const ss_args_result result = ss_args_parse(
         argc, argv, "[options]",
@@ -718,16 +712,9 @@ static int run_report(int argc, char **argv)
             return ss_felt_slide(argc, argv);
         }
     }
-    static const ss_felt_kind kind = {.name = "felt",
-                                      .head = head,
-                                      .size = sizeof(report),
-                                      .runs = SS_FELT_PATHS,
-                                      .run_name = path_name,
-                                      .parse = parse_options,
-                                      .label = label,
-                                      .run = run_one,
-                                      .write_page = write_page,
-                                      .print_more = print_goals};
+    static const ss_felt_kind kind = {"felt",     head,          sizeof(report), SS_FELT_PATHS,
+                                      path_name,  parse_options, label,          run_one,
+                                      write_page, print_goals};
     return ss_felt_report_run(argc, argv, &kind);
 }
 

@@ -57,6 +57,21 @@ void ss_felt_page_lost(const ss_felt_report *report, ss_page *page, const ss_swe
     }
 }
 
+softsim_status ss_felt_plot_open(const ss_felt_report *report, ss_output *script,
+                                 const char *picture, int32_t panels, int32_t panel_height,
+                                 const char *more, softsim_error *error)
+{
+    const softsim_status status =
+        ss_plot_open_sized(script, report->out, picture, 900, 60 + panel_height * panels, error);
+    if (status == SOFTSIM_OK) {
+        fprintf(script->file,
+                "set datafile separator ','\nset multiplot layout %d,1\nset grid\n"
+                "set ylabel 'force, N'\n%sset key outside right top\n",
+                panels, more);
+    }
+    return status;
+}
+
 softsim_status ss_felt_page_close(const ss_felt_report *report, ss_page *page,
                                   softsim_status status, softsim_error *error)
 {

@@ -31,25 +31,13 @@ typedef struct ss_felt_kind {
 } ss_felt_kind;
 
 #define SS_FELT_ROWS(report)                                                                       \
-    {"--scene",                                                                                    \
-     SS_ARG_LIST,                                                                                  \
-     &(report)->scene_list,                                                                        \
-     0,                                                                                            \
-     0,                                                                                            \
-     "SCENE.yaml",                                                                                 \
-     "a scene with a tool; may be given again (all bundled scenes)"},                              \
-        {"--set",                                                                                  \
-         SS_ARG_LIST,                                                                              \
-         &(report)->set,                                                                           \
-         0,                                                                                        \
-         0,                                                                                        \
-         "PATH=VALUE",                                                                             \
-         "overrides one value of the scenes; may be given again"},                                 \
+    SS_LIST("--scene", &(report)->scene_list, "SCENE.yaml",                                        \
+            "a scene with a tool; may be given again (all bundled scenes)"),                       \
+        SS_LIST("--set", &(report)->set, "PATH=VALUE",                                             \
+                "overrides one value of the scenes; may be given again"),                          \
         {"--jobs", SS_ARG_INTEGER,      &(report)->jobs, 1, SS_SWEEP_MAX_JOBS,                     \
          "N",      "runs at a time (1)"},                                                          \
-    {                                                                                              \
-        "--out", SS_ARG_STRING, &(report)->out, 0, 0, "DIR", "for the report (felt-report)"        \
-    }
+        SS_TEXT("--out", &(report)->out, "DIR", "for the report (felt-report)")
 
 /* Numbers with commas between them into out[most]; their count, or -1 and a fault. */
 int32_t ss_felt_numbers(const char *option, bool is_whole, const char *text, double low,
@@ -60,6 +48,10 @@ int ss_felt_report_run(int argc, char **argv, const ss_felt_kind *kind);
 bool ss_felt_has_rows(const ss_sweep_run *run);
 /* Says of a scene's runs which were not done, and why. */
 void ss_felt_page_lost(const ss_felt_report *report, ss_page *page, const ss_sweep_run *run);
+/* A picture of panels of forces, one below the other; `more` is gnuplot's, of all of them. */
+softsim_status ss_felt_plot_open(const ss_felt_report *report, ss_output *script,
+                                 const char *picture, int32_t panels, int32_t panel_height,
+                                 const char *more, softsim_error *error);
 /* Links the table, and closes the page where `status` is good; the end's status. */
 softsim_status ss_felt_page_close(const ss_felt_report *report, ss_page *page,
                                   softsim_status status, softsim_error *error);

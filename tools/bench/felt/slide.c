@@ -368,14 +368,11 @@ static softsim_status plot_scene(const slides *s, const ss_sweep_run *run, const
     char picture[160];
     snprintf(picture, sizeof picture, "slide-%s", name);
     const softsim_status status =
-        ss_plot_open_sized(&script, s->base.out, picture, 900, 60 + 260 * SS_WAY_DIRECTIONS, error);
+        ss_felt_plot_open(&s->base, &script, picture, SS_WAY_DIRECTIONS, 260,
+                          "set yrange [0:*]\nset xlabel 'way, mm'\n", error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    fprintf(script.file,
-            "set datafile separator ','\nset multiplot layout %d,1\nset grid\nset yrange [0:*]\n"
-            "set ylabel 'force, N'\nset xlabel 'way, mm'\nset key outside right top\n",
-            SS_WAY_DIRECTIONS);
     for (int32_t d = 0; d < SS_WAY_DIRECTIONS; ++d) {
         if (!ss_felt_has_rows(&run[d])) {
             continue;
@@ -478,9 +475,9 @@ static ss_args_result parse_options(int argc, char **argv, ss_felt_report *base,
     s->speeds = "50,200";
     s->rate_hz = 1000.0;
     const ss_arg rows[] = {
-        {"--slide", SS_ARG_FLAG, &s->is_slide, 0, 0, NULL, "this report"},
+        SS_FLAG("--slide", &s->is_slide, "this report"),
         SS_FELT_ROWS(base),
-        {"--speeds", SS_ARG_STRING, &s->speeds, 0, 0, "N,N", "mm/s, 1 to 500 (50,200)"},
+        SS_TEXT("--speeds", &s->speeds, "N,N", "mm/s, 1 to 500 (50,200)"),
         {"--rate-hz", SS_ARG_NUMBER, &s->rate_hz, 10, 1000, "HZ", "of the simulation (1000)"},
     };
     const ss_args_result result = ss_args_parse(
@@ -508,14 +505,8 @@ static const char *name_of(int32_t direction)
 
 int ss_felt_slide(int argc, char **argv)
 {
-    static const ss_felt_kind kind = {.name = "slide",
-                                      .head = head,
-                                      .size = sizeof(slides),
-                                      .runs = SS_WAY_DIRECTIONS,
-                                      .run_name = name_of,
-                                      .parse = parse_options,
-                                      .label = label,
-                                      .run = run_one,
-                                      .write_page = write_page};
+    static const ss_felt_kind kind = {"slide",    head,          sizeof(slides), SS_WAY_DIRECTIONS,
+                                      name_of,    parse_options, label,          run_one,
+                                      write_page, NULL};
     return ss_felt_report_run(argc, argv, &kind);
 }

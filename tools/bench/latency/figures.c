@@ -93,7 +93,7 @@ static bool compute_lateness(const ss_session *s, int32_t last, ss_figures *out)
     }
     out->window_count = choose_windows(s, last, end);
     for (int32_t i = 0; i < out->window_count; ++i) {
-        const double *late = end[i]->lateness_us;
+        const double *late = end[i]->of.lateness_us;
         haptic[i] = (ss_figure){late[0], late[1], late[2], late[3], 0};
         bare[i] = bare_window(&s->bare, end[i]->receive_ns, &scratch);
     }
@@ -113,15 +113,16 @@ static void check_statuses(const ss_session *s, ss_figures *out)
         const ss_session_status *status = &s->status[i];
         bool is_wrong = false;
         for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-            is_wrong |= status->forces[p] + status->missed[p] != status->periods[p];
+            is_wrong |= status->of.probe_forces[p] + status->of.probe_missed[p] !=
+                        status->of.probe_periods[p];
         }
         out->wrong_sums += is_wrong;
         if (i > 0) {
-            const int64_t gap = (int64_t)status->seq - s->status[i - 1].seq - 1;
+            const int64_t gap = (int64_t)status->of.seq - s->status[i - 1].of.seq - 1;
             out->statuses_lost += gap > 0 ? gap : 0;
         }
-        if (status->verdict > out->worst_verdict) {
-            out->worst_verdict = status->verdict;
+        if (status->of.verdict > out->worst_verdict) {
+            out->worst_verdict = status->of.verdict;
             snprintf(out->reason, sizeof out->reason, "%s", status->reason);
         }
     }
@@ -132,20 +133,20 @@ static void compute_counters(const ss_session_status *first, const ss_session_st
                              ss_figures *out)
 {
     for (int p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        out->periods[p] = last->periods[p] - first->periods[p];
-        out->forces[p] = last->forces[p] - first->forces[p];
-        out->missed[p] = last->missed[p] - first->missed[p];
+        out->periods[p] = last->of.probe_periods[p] - first->of.probe_periods[p];
+        out->forces[p] = last->of.probe_forces[p] - first->of.probe_forces[p];
+        out->missed[p] = last->of.probe_missed[p] - first->of.probe_missed[p];
         out->haptic.count =
             out->periods[p] > out->haptic.count ? out->periods[p] : out->haptic.count;
     }
-    out->received = last->poses_received - first->poses_received;
-    out->superseded = last->poses_superseded - first->poses_superseded;
+    out->received = last->of.poses_received - first->of.poses_received;
+    out->superseded = last->of.poses_superseded - first->of.poses_superseded;
     out->refused = last->poses_refused - first->poses_refused;
-    out->step = (ss_figure){.p50 = last->step_us[0],
-                            .p99 = last->step_us[1],
+    out->step = (ss_figure){.p50 = last->of.step_us[0],
+                            .p99 = last->of.step_us[1],
                             .p999 = NAN,
-                            .max = last->step_us[2],
-                            .count = last->step - first->step};
+                            .max = last->of.step_us[2],
+                            .count = last->of.step - first->of.step};
 }
 
 bool ss_figures_compute(const ss_session *s, ss_figures *out)

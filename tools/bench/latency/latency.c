@@ -70,28 +70,28 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
 {
     *o = (options){.rate_hz = 0.0, .contacts = -1};
     const ss_arg rows[] = {
-        {"--scene", SS_ARG_STRING, &o->scene, 0, 0, "SCENE.yaml",
-         "with tools for probes 0 and 1 (the bundled kidney.yaml)"},
-        {"--poses", SS_ARG_STRING, &o->poses, 0, 0, "LOG",
-         "played to probe 0, again and again (the bundled kidney-poke.lcmlog)"},
-        {"--bridge", SS_ARG_STRING, &o->bridge, 0, 0, "\"ARGS\"",
-         "of the bridge on probe 1: --offset-m ... (the line ..._SECOND= of LOG's .sh)"},
+        SS_TEXT("--scene", &o->scene, "SCENE.yaml",
+                "with tools for probes 0 and 1 (the bundled kidney.yaml)"),
+        SS_TEXT("--poses", &o->poses, "LOG",
+                "played to probe 0, again and again (the bundled kidney-poke.lcmlog)"),
+        SS_TEXT("--bridge", &o->bridge, "\"ARGS\"",
+                "of the bridge on probe 1: --offset-m ... (the line ..._SECOND= of LOG's .sh)"),
         {"--seconds", SS_ARG_NUMBER, &o->seconds, 1.0, 36000.0, "S", "measured (60)"},
-        {"--quick", SS_ARG_FLAG, &o->is_quick, 0, 0, NULL, "measures 12 s"},
-        {"--out", SS_ARG_STRING, &o->out, 0, 0, "DIR", "for the report (latency-report)"},
+        SS_FLAG("--quick", &o->is_quick, "measures 12 s"),
+        SS_TEXT("--out", &o->out, "DIR", "for the report (latency-report)"),
         SS_ARG_LCM_URL(&o->lcm_url),
-        {"--log", SS_ARG_STRING, &o->log, 0, 0, "FILE.csv",
-         "runs nothing: judges how the session felt that softsim-bridge --csv recorded"},
+        SS_TEXT("--log", &o->log, "FILE.csv",
+                "runs nothing: judges how the session felt that softsim-bridge --csv recorded"),
         {"--rate", SS_ARG_NUMBER, &o->rate_hz, 1.0, 1e5, "HZ", "--log: ticks a second (1000)"},
         {"--contacts", SS_ARG_INTEGER, &o->contacts, 0, 1000, "N",
          "--log: contacts a second that the task itself makes (1)"},
     };
     const ss_args_result result =
-        ss_args_parse(argc, argv, "[options]",
-                      "Runs daemon, replay, bridge and monitor and measures pose to force, "
-                      "lateness and missed\nperiods beside a bare timer loop and a bare LCM "
-                      "echo in the same run.",
-                      rows, (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, error);
+        SS_ARGS_OPTIONS(argc, argv, "[options]",
+                        "Runs daemon, replay, bridge and monitor and measures pose to force, "
+                        "lateness and missed\nperiods beside a bare timer loop and a bare LCM "
+                        "echo in the same run.",
+                        rows, error);
     if (result == SS_ARGS_RUN) {
         check_log_options(o, error);
     }

@@ -42,21 +42,11 @@ static void take_status(void *context, const softsim_server_status *from, int64_
         return;
     }
     ss_session_status *to = &session->status[session->status_count++];
-    *to = (ss_session_status){.receive_ns = receive_ns,
-                              .seq = from->seq,
-                              .verdict = from->verdict,
-                              .step = from->step,
-                              .poses_received = from->poses_received,
-                              .poses_superseded = from->poses_superseded,
-                              .simulation_rate_hz = from->simulation_rate_hz};
+    *to = (ss_session_status){.receive_ns = receive_ns, .of = *from};
+    to->of.scene = to->of.model = to->of.reason = NULL;
     for (int i = 0; i < SOFTSIM_REFUSED_COUNT; ++i) {
         to->poses_refused += from->poses_refused[i];
     }
-    memcpy(to->periods, from->probe_periods, sizeof to->periods);
-    memcpy(to->forces, from->probe_forces, sizeof to->forces);
-    memcpy(to->missed, from->probe_missed, sizeof to->missed);
-    memcpy(to->lateness_us, from->lateness_us, sizeof to->lateness_us);
-    memcpy(to->step_us, from->step_us, sizeof to->step_us);
     snprintf(to->reason, sizeof to->reason, "%s", from->reason);
 }
 
@@ -64,7 +54,7 @@ static int32_t probes_served(const ss_session *session)
 {
     int32_t served = 0;
     for (int p = 0; session->status_count > 0 && p < SOFTSIM_MAX_PROBES; ++p) {
-        served += session->status[session->status_count - 1].periods[p] > 0;
+        served += session->status[session->status_count - 1].of.probe_periods[p] > 0;
     }
     return served;
 }

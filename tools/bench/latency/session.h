@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "bench/latency/bare.h"
+#include "softsim/status.h"
 #include "softsim/types.h"
 
 enum { SS_SESSION_WINDOW_S = 10 }; /* what the percentiles of a status cover */
@@ -28,14 +29,8 @@ typedef struct ss_session_options {
 /* What a status says, of interest here. */
 typedef struct ss_session_status {
     int64_t receive_ns;
-    int32_t seq;
-    int32_t verdict;
-    int64_t step;
-    int64_t poses_received, poses_superseded, poses_refused;
-    int64_t periods[SOFTSIM_MAX_PROBES], forces[SOFTSIM_MAX_PROBES], missed[SOFTSIM_MAX_PROBES];
-    double lateness_us[4]; /* p50, p99, p99.9, max of the last 10 s */
-    double step_us[3];     /* p50, p99, max */
-    double simulation_rate_hz;
+    softsim_server_status of; /* its texts are gone but for `reason` */
+    int64_t poses_refused;    /* for whatever reason */
     char reason[96];
 } ss_session_status;
 

@@ -129,6 +129,16 @@ softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *n
     return status;
 }
 
+softsim_status ss_paper_csv_end(ss_paper *paper, ss_output *csv, const char *name,
+                                softsim_status status, softsim_error *error)
+{
+    if (status == SOFTSIM_OK) {
+        return ss_paper_csv_close(paper, csv, name, error);
+    }
+    ss_output_abandon(csv);
+    return status;
+}
+
 enum { CLAIM_CELLS = 8 };
 
 /* A claim's row of the table; the page leaves out the first cell, the paper's name. */

@@ -39,15 +39,13 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
 {
     *o = (options){.out = "paper-report", .paper = -1};
     const ss_arg rows[] = {
-        {"--out", SS_ARG_STRING, &o->out, 0, 0, "DIR", "for the report (paper-report)"},
-        {"--quick", SS_ARG_FLAG, &o->is_quick, 0, 0, NULL,
-         "shorter comparisons with other readings of the paper"},
+        SS_TEXT("--out", &o->out, "DIR", "for the report (paper-report)"),
+        SS_FLAG("--quick", &o->is_quick, "shorter comparisons with other readings of the paper"),
     };
-    int32_t count = 0;
     const ss_args_result result =
         ss_args_parse(argc, argv, "[options] zhong2006|zhang2018|hybrid",
                       "Repeats a paper's figures and tables; exit 1 when a claim does not hold.",
-                      rows, (int32_t)(sizeof rows / sizeof rows[0]), &o->name, 1, 1, &count, error);
+                      rows, (int32_t)(sizeof rows / sizeof rows[0]), &o->name, 1, 1, NULL, error);
     for (int i = 0; result == SS_ARGS_RUN && o->name != NULL && i < PAPER_COUNT; ++i) {
         o->paper = strcmp(o->name, papers[i].name) == 0 ? i : o->paper;
     }

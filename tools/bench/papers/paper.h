@@ -105,6 +105,9 @@ softsim_status ss_paper_csv_open(const ss_paper *paper, ss_output *csv, const ch
 /* Commits it and puts a link to it into the page. */
 softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *name,
                                   softsim_error *error);
+/* Closes it where `status` is good, else it is as if it had not been opened; the end's status. */
+softsim_status ss_paper_csv_end(ss_paper *paper, ss_output *csv, const char *name,
+                                softsim_status status, softsim_error *error);
 /* `share` (0 to 1) of the present section is done; on a terminal, with the time that is left. */
 void ss_paper_progress(ss_paper *paper, double share);
 /* Runs the sections in order, each under its heading and followed by its claims; the first that

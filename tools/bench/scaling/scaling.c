@@ -96,18 +96,18 @@ static ss_args_result parse_options(int argc, char **argv, ss_scaling_options *o
 {
     *o = (ss_scaling_options){.out = "scaling-report", .jobs = 1};
     const ss_arg rows[] = {
-        {"--points", SS_ARG_STRING, &o->points, 0, 0, "N,N,...",
-         "sizes (ellipsoids 300 to 100000, with those of the paper; blocks 300 to 1000000)"},
-        {"--quick", SS_ARG_FLAG, &o->is_quick, 0, 0, NULL, "sizes up to 20000"},
+        SS_TEXT("--points", &o->points, "N,N,...",
+                "sizes (ellipsoids 300 to 100000, with those of the paper; blocks 300 to 1000000)"),
+        SS_FLAG("--quick", &o->is_quick, "sizes up to 20000"),
         {"--jobs", SS_ARG_INTEGER, &o->jobs, 1, SS_SWEEP_MAX_JOBS, "N",
          "blocks at a time (1; more disturb one another's times)"},
-        {"--out", SS_ARG_STRING, &o->out, 0, 0, "DIR", "for the report (scaling-report)"},
+        SS_TEXT("--out", &o->out, "DIR", "for the report (scaling-report)"),
     };
     const ss_args_result result =
-        ss_args_parse(argc, argv, "[options]",
-                      "Measures step time, smoothness of a slide and the energy balance against "
-                      "the number of nodes.",
-                      rows, (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, error);
+        SS_ARGS_OPTIONS(argc, argv, "[options]",
+                        "Measures step time, smoothness of a slide and the energy balance against "
+                        "the number of nodes.",
+                        rows, error);
     if (result == SS_ARGS_RUN) {
         choose_sizes(o, error);
     }
@@ -274,21 +274,10 @@ static void add_block(ss_scaling *r, const ss_sweep_run *run, int32_t index)
     ss_scaling_row *to = &r->row[r->row_count++];
     *to = (ss_scaling_row){.points = block_size(r, index),
                            .name = "block",
-                           .model = ss_stress_case_subject_name(block_subject(r, index)),
-                           .p50_us = NAN,
-                           .p99_us = NAN,
-                           .substeps = NAN,
-                           .create_s = NAN,
-                           .memory_mb = NAN,
-                           .peak_mb = NAN,
-                           .balance = NAN,
-                           .step_us = NAN,
-                           .paper_ms = NAN,
-                           .prototype_us = NAN,
-                           .jump = NAN,
-                           .mean_force = NAN,
-                           .direct_error = NAN,
-                           .apart = NAN};
+                           .model = ss_stress_case_subject_name(block_subject(r, index))};
+    to->p50_us = to->p99_us = to->substeps = to->create_s = to->memory_mb = to->peak_mb =
+        to->balance = to->step_us = to->paper_ms = to->prototype_us = to->jump = to->mean_force =
+            to->direct_error = to->apart = NAN;
     int used = 0;
     if (!run->is_lost &&
         sscanf(run->text, "%d %d %lf %lf %lf %lf %lf %lf %lf%n", &to->nodes, &to->active_nodes,

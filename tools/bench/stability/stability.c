@@ -58,11 +58,11 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
 {
     *o = (options){.out = "stability-report", .jobs = count_processors()};
     const ss_arg rows[] = {
-        {"--model", SS_ARG_STRING, &o->models, 0, 0, "A,B", "these alone (all that are built in)"},
-        {"--quick", SS_ARG_FLAG, &o->is_quick, 0, 0, NULL, "a quarter of the runs"},
+        SS_TEXT("--model", &o->models, "A,B", "these alone (all that are built in)"),
+        SS_FLAG("--quick", &o->is_quick, "a quarter of the runs"),
         {"--jobs", SS_ARG_INTEGER, &o->jobs, 1, SS_SWEEP_MAX_JOBS, "N",
          "runs at a time (one a processor)"},
-        {"--out", SS_ARG_STRING, &o->out, 0, 0, "DIR", "for the report (stability-report)"},
+        SS_TEXT("--out", &o->out, "DIR", "for the report (stability-report)"),
     };
     const ss_args_result result = ss_args_parse(
         argc, argv, "[options]",

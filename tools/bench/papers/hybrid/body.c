@@ -168,6 +168,13 @@ void ss_heart_set(ss_heart_body *body, const char *name, double value)
     }
 }
 
+void ss_heart_set_layer(ss_heart_body *body, double spacing, double activate, double max_active)
+{
+    ss_heart_set(body, "layer.spacing_m", spacing);
+    ss_heart_set(body, "layer.activate_m", activate);
+    ss_heart_set(body, "layer.max_active", max_active);
+}
+
 void ss_heart_init(ss_heart_body *body, ss_mesh *mesh, const char *model, const ss_heart_row *row,
                    const char *group)
 {

@@ -173,9 +173,7 @@ static softsim_status press_case(ss_paper *paper, int which, press *out, softsim
         return error->status;
     }
     ss_heart_init(&body, mesh, cases[which].model, &ss_heart_table[SS_HEART_ED0], "inner");
-    ss_heart_set(&body, "layer.spacing_m", cases[which].spacing);
-    ss_heart_set(&body, "layer.activate_m", 0.3);
-    ss_heart_set(&body, "layer.max_active", 600.0);
+    ss_heart_set_layer(&body, cases[which].spacing, 0.3, 600.0);
     if (cases[which].near > 0.0) {
         graded = grade(body.mesh, cases[which].spacing, cases[which].near);
         const ss_param_row *row = ss_model_find_row(body.model_class, "layer.spacing_m");
@@ -405,9 +403,7 @@ static softsim_status press_wall(const ss_paper *paper, double spacing, int32_t 
     }
     ss_heart_init(body, mesh, "hybrid", &ss_heart_table[SS_HEART_HM1], "base");
     ss_heart_set(body, "mass_damping_per_s", 6.0);
-    ss_heart_set(body, "layer.spacing_m", spacing);
-    ss_heart_set(body, "layer.activate_m", active > 0 ? 0.3 : 1e6);
-    ss_heart_set(body, "layer.max_active", active > 0 ? active : 1e6);
+    ss_heart_set_layer(body, spacing, active > 0 ? 0.3 : 1e6, active > 0 ? active : 1e6);
     body->plan.contact_stiffness = CONTACT;
     const softsim_status status = ss_heart_start(body, error);
     if (status == SOFTSIM_OK) {

@@ -47,6 +47,8 @@ void ss_heart_init(ss_heart_body *body, ss_mesh *mesh, const char *model, const 
                    const char *group);
 /* A row of the model's table by its name. */
 void ss_heart_set(ss_heart_body *body, const char *name, double value);
+/* The layer's: m, m, particles. */
+void ss_heart_set_layer(ss_heart_body *body, double spacing, double activate, double max_active);
 softsim_status ss_heart_start(ss_heart_body *body, softsim_error *error);
 void ss_heart_end(ss_heart_body *body);
 

@@ -220,9 +220,7 @@ static softsim_status press_and_draw(ss_paper *paper, bool is_hybrid, softsim_er
     ss_heart_init(&body, mesh, is_hybrid ? "hybrid" : "fem",
                   &ss_heart_table[is_hybrid ? SS_HEART_HM1 : SS_HEART_HM2], "base");
     ss_heart_set(&body, "mass_damping_per_s", is_hybrid ? 6.0 : 2.0);
-    ss_heart_set(&body, "layer.spacing_m", 0.027);
-    ss_heart_set(&body, "layer.activate_m", 0.3);
-    ss_heart_set(&body, "layer.max_active", 600.0);
+    ss_heart_set_layer(&body, 0.027, 0.3, 600.0);
     softsim_status status = ss_heart_start(&body, error);
     if (status == SOFTSIM_OK) {
         (void)ss_heart_move(&body, to, 10);

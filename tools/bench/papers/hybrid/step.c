@@ -288,9 +288,7 @@ static softsim_status run_row(ss_paper *paper, int which, bool is_rk4, softsim_e
     }
     ss_heart_init(&body, mesh, model_of(which), row, group_of(which));
     ss_heart_set(&body, "integrator", is_rk4 ? 1.0 : 0.0);
-    ss_heart_set(&body, "layer.spacing_m", 0.027);
-    ss_heart_set(&body, "layer.activate_m", 0.15);
-    ss_heart_set(&body, "layer.max_active", 200.0);
+    ss_heart_set_layer(&body, 0.027, 0.15, 200.0);
     softsim_status status = ss_heart_start(&body, error);
     if (status == SOFTSIM_OK) {
         ball_at(which, -0.01, to);

@@ -59,20 +59,13 @@ softsim_status ss_zhang_plane_reference(const ss_zhang_plane *plane, ss_zhang_ru
                                         const double *stiffness_of, ss_zhang_reference *out,
                                         softsim_error *error)
 {
-    const ss_zhang_reference_plan plan = {.node_count = plane->mesh->node_count,
-                                          .element_count = plane->mesh->quad_count,
-                                          .corners = 4,
-                                          .rest = (const double(*)[3])plane->mesh->position,
-                                          .element = (const int32_t(*)[4])plane->mesh->quad,
-                                          .fixed = plane->fixed,
-                                          .pushed = plane->pushed,
-                                          .pushed_count = 1,
-                                          .direction = {0.0, 0.0, -1.0},
-                                          .alpha = 0.02,
-                                          .stiffness = 1.0,
-                                          .capacitance = 1.0,
-                                          .stiffness_of = stiffness_of,
-                                          .rule = rule};
+    ss_zhang_reference_plan plan =
+        ss_zhang_reference_on(plane->mesh, plane->fixed, plane->pushed, 1);
+    ss_set3(plan.direction, 0.0, 0.0, -1.0);
+    plan.alpha = 0.02;
+    plan.stiffness = plan.capacitance = 1.0;
+    plan.stiffness_of = stiffness_of;
+    plan.rule = rule;
     return ss_zhang_reference_init(out, &plan) ? SOFTSIM_OK : no_memory(error);
 }
 
@@ -225,18 +218,12 @@ softsim_status ss_zhang_solid_reference(const ss_zhang_solid *solid, double alph
                                         ss_zhang_rule rule, ss_zhang_reference *out,
                                         softsim_error *error)
 {
-    ss_zhang_reference_plan plan = {.node_count = solid->mesh->node_count,
-                                    .element_count = solid->mesh->tetrahedron_count,
-                                    .corners = -4,
-                                    .rest = (const double(*)[3])solid->mesh->position,
-                                    .element = (const int32_t(*)[4])solid->mesh->tetrahedron,
-                                    .fixed = solid->fixed,
-                                    .pushed = solid->pushed,
-                                    .pushed_count = solid->pushed_count,
-                                    .alpha = alpha,
-                                    .stiffness = 100.0,
-                                    .capacitance = 1.0,
-                                    .rule = rule};
+    ss_zhang_reference_plan plan =
+        ss_zhang_reference_on(solid->mesh, solid->fixed, solid->pushed, solid->pushed_count);
+    plan.alpha = alpha;
+    plan.stiffness = 100.0;
+    plan.capacitance = 1.0;
+    plan.rule = rule;
     ss_copy3(plan.direction, solid->direction);
     return ss_zhang_reference_init(out, &plan) ? SOFTSIM_OK : no_memory(error);
 }

@@ -83,17 +83,11 @@ static bool reference_curve(const plate_body *plate, const double parameter[MOST
                             double *force)
 {
     ss_zhang_reference reference;
-    ss_zhang_reference_plan plan = {.node_count = NODES,
-                                    .element_count = plate->mesh->quad_count,
-                                    .corners = 4,
-                                    .rest = (const double(*)[3])plate->mesh->position,
-                                    .element = (const int32_t(*)[4])plate->mesh->quad,
-                                    .fixed = plate->fixed,
-                                    .pushed = plate->patch,
-                                    .pushed_count = plate->patch_count,
-                                    .stiffness = parameter[0],
-                                    .alpha = parameter[1],
-                                    .capacitance = parameter[2]};
+    ss_zhang_reference_plan plan =
+        ss_zhang_reference_on(plate->mesh, plate->fixed, plate->patch, plate->patch_count);
+    plan.stiffness = parameter[0];
+    plan.alpha = parameter[1];
+    plan.capacitance = parameter[2];
     ss_copy3(plan.direction, plate->direction);
     if (!ss_zhang_reference_init(&reference, &plan)) {
         return false;

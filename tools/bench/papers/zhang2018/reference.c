@@ -86,6 +86,21 @@ static bool measure_links(ss_zhang_reference *reference, const ss_zhang_referenc
     return true;
 }
 
+ss_zhang_reference_plan ss_zhang_reference_on(const ss_mesh *mesh, const uint8_t *fixed,
+                                              const int32_t *pushed, int32_t pushed_count)
+{
+    const bool is_flat = mesh->quad_count > 0;
+    return (ss_zhang_reference_plan){
+        .node_count = mesh->node_count,
+        .element_count = is_flat ? mesh->quad_count : mesh->tetrahedron_count,
+        .corners = is_flat ? 4 : -4,
+        .rest = (const double(*)[3])mesh->position,
+        .element = (const int32_t(*)[4])(is_flat ? mesh->quad : mesh->tetrahedron),
+        .fixed = fixed,
+        .pushed = pushed,
+        .pushed_count = pushed_count};
+}
+
 bool ss_zhang_reference_init(ss_zhang_reference *reference, const ss_zhang_reference_plan *plan)
 {
     const size_t n = (size_t)plan->node_count;

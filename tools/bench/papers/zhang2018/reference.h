@@ -13,6 +13,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "mesh/mesh.h"
+
 typedef enum ss_zhang_rule {
     SS_REFERENCE_KEEP,
     SS_REFERENCE_RAMP,
@@ -51,6 +53,9 @@ typedef struct ss_zhang_reference_plan {
     ss_zhang_rule rule;
 } ss_zhang_reference_plan;
 
+/* On a mesh of quads or of tetrahedra; what is not named here is 0. */
+ss_zhang_reference_plan ss_zhang_reference_on(const ss_mesh *mesh, const uint8_t *fixed,
+                                              const int32_t *pushed, int32_t pushed_count);
 /* False when out of memory. */
 bool ss_zhang_reference_init(ss_zhang_reference *reference, const ss_zhang_reference_plan *plan);
 void ss_zhang_reference_fini(ss_zhang_reference *reference);

@@ -558,11 +558,7 @@ static softsim_status static_claims(ss_zhong *zhong, const ss_tube *tube, const 
                       "%g N",
                       tube->name, static_force[STATIC_COUNT - 1], static_force[0]);
     }
-    if (status == SOFTSIM_OK) {
-        return ss_paper_csv_close(zhong->paper, &csv, name, error);
-    }
-    ss_output_abandon(&csv);
-    return status;
+    return ss_paper_csv_end(zhong->paper, &csv, name, status, error);
 }
 
 static softsim_status ramp_on(ss_zhong *zhong, const ss_tube *tube, softsim_error *error)

@@ -22,21 +22,12 @@ static ss_zhong_net *make(int32_t node_count, int32_t edge_capacity, const doubl
     }
     const size_t n = (size_t)node_count, edges = (size_t)edge_capacity;
     net->node_count = node_count;
-    net->rest = calloc(n, sizeof *net->rest);
-    net->edge = calloc(edges, sizeof *net->edge);
-    net->conductance = calloc(edges, sizeof *net->conductance);
-    net->length = calloc(edges, sizeof *net->length);
-    net->ratio = calloc(edges, sizeof *net->ratio);
-    net->flux = calloc(edges, sizeof *net->flux);
-    net->area = calloc(n, sizeof *net->area);
-    net->rho = calloc(n, sizeof *net->rho);
-    net->is_held = calloc(n, sizeof *net->is_held);
-    net->is_source = calloc(n, sizeof *net->is_source);
-    net->potential = calloc(n, sizeof *net->potential);
-    net->unknown = calloc(n, sizeof *net->unknown);
-    if (!net->rest || !net->edge || !net->conductance || !net->length || !net->ratio ||
-        !net->flux || !net->area || !net->rho || !net->is_held || !net->is_source ||
-        !net->potential || !net->unknown) {
+    SS_ARENA_TAKE(&net->arena, SS_ROOM(n, net->rest), SS_ROOM(edges, net->edge),
+                  SS_ROOM(edges, net->conductance), SS_ROOM(edges, net->length),
+                  SS_ROOM(edges, net->ratio), SS_ROOM(edges, net->flux), SS_ROOM(n, net->area),
+                  SS_ROOM(n, net->rho), SS_ROOM(n, net->is_held), SS_ROOM(n, net->is_source),
+                  SS_ROOM(n, net->potential), SS_ROOM(n, net->unknown));
+    if (ss_arena_status(&net->arena) != SOFTSIM_OK) {
         ss_zhong_net_destroy(&net);
         return NULL;
     }
@@ -52,13 +43,7 @@ void ss_zhong_net_destroy(ss_zhong_net **net)
     if (*net == NULL) {
         return;
     }
-    void *const parts[] = {(*net)->rest,      (*net)->edge,      (*net)->conductance,
-                           (*net)->length,    (*net)->ratio,     (*net)->flux,
-                           (*net)->area,      (*net)->rho,       (*net)->is_held,
-                           (*net)->is_source, (*net)->potential, (*net)->unknown};
-    for (size_t k = 0; k < sizeof parts / sizeof *parts; ++k) {
-        free(parts[k]);
-    }
+    ss_arena_free(&(*net)->arena);
     free(*net);
     *net = NULL;
 }

@@ -14,7 +14,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "rt/arena.h"
+
 typedef struct ss_zhong_net {
+    ss_arena arena;
     int32_t node_count, edge_count;
     bool is_volume;        /* areas are volumes, and fluxes go through faces */
     double (*rest)[3];     /* m */

@@ -286,6 +286,12 @@ static double apart(const ss_trial *a, const ss_trial *b, const double degrees[3
     return most / largest(b);
 }
 
+static void claim_same(ss_zhong *zhong, const char *equation, double apart, const char *what)
+{
+    ss_claim_at_most(zhong->paper, equation, SS_FROM_CLOSED_FORM, is_single ? 1e-5 : 1e-12, apart,
+                     "free body%s%s precision)", what, is_single ? "single" : "double");
+}
+
 static softsim_status moved_claim(ss_zhong *zhong, const free_run *run, const ss_trial *reference,
                                   softsim_error *error)
 {
@@ -306,11 +312,9 @@ static softsim_status moved_claim(ss_zhong *zhong, const free_run *run, const ss
     rotate(degrees, run->force, moved.force);
     status = run_free(zhong, &moved, &trial, error);
     if (status == SOFTSIM_OK) {
-        ss_claim_at_most(zhong->paper, "eq. 26", SS_FROM_CLOSED_FORM, is_single ? 1e-5 : 1e-12,
-                         apart(&trial, reference, degrees, NULL),
-                         "free body of 322 points, turned and moved: the same motion, turned "
-                         "(difference over the largest displacement, %s precision)",
-                         is_single ? "single" : "double");
+        claim_same(zhong, "eq. 26", apart(&trial, reference, degrees, NULL),
+                   " of 322 points, turned and moved: the same motion, turned (difference over "
+                   "the largest displacement, ");
     }
     ss_trial_end(&trial);
     ss_trial_body_fini(&body);
@@ -359,11 +363,8 @@ static softsim_status renumbered_claim(ss_zhong *zhong, const free_run *run,
     if (status == SOFTSIM_OK && other.node_count == n) {
         renumbered.body = &other;
         status = run_free(zhong, &renumbered, &trial, error);
-        ss_claim_at_most(zhong->paper, "eq. 27", SS_FROM_CLOSED_FORM, is_single ? 1e-5 : 1e-12,
-                         apart(&trial, reference, none, number),
-                         "free body, points and triangles renumbered: the same motion (%s "
-                         "precision)",
-                         is_single ? "single" : "double");
+        claim_same(zhong, "eq. 27", apart(&trial, reference, none, number),
+                   ", points and triangles renumbered: the same motion (");
         ss_trial_end(&trial);
     }
     ss_trial_body_fini(&other);

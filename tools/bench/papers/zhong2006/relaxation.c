@@ -379,11 +379,7 @@ softsim_status ss_zhong_relaxation(ss_paper *paper, softsim_error *error)
         }
         ss_paper_progress(paper, 0.2 * (k + 1));
     }
-    if (status == SOFTSIM_OK) {
-        status = ss_paper_csv_close(paper, &csv, "relaxation", error);
-    } else {
-        ss_output_abandon(&csv);
-    }
+    status = ss_paper_csv_end(paper, &csv, "relaxation", status, error);
     if (status == SOFTSIM_OK) {
         status = plot_settling(zhong, error);
     }

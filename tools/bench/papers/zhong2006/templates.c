@@ -217,11 +217,7 @@ softsim_status ss_zhong_templates(ss_paper *paper, softsim_error *error)
             ss_paper_progress(paper, 0.4 * k + 0.1 * c);
         }
     }
-    if (status == SOFTSIM_OK) {
-        status = ss_paper_csv_close(paper, &csv, "templates", error);
-    } else {
-        ss_output_abandon(&csv);
-    }
+    status = ss_paper_csv_end(paper, &csv, "templates", status, error);
     if (status == SOFTSIM_OK) {
         status = compare_more(zhong, error);
     }

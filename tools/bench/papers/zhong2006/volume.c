@@ -209,11 +209,7 @@ softsim_status ss_zhong_volume(ss_paper *paper, softsim_error *error)
     }
     if (status == SOFTSIM_OK) {
         status = claim_loads(zhong, &c, net, csv.file, error);
-        if (status == SOFTSIM_OK) {
-            status = ss_paper_csv_close(paper, &csv, "volume", error);
-        } else {
-            ss_output_abandon(&csv);
-        }
+        status = ss_paper_csv_end(paper, &csv, "volume", status, error);
     }
     ss_zhong_net_destroy(&net);
     ss_mesh_destroy(&c.mesh);
