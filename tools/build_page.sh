@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Bundles the page of softsim-web, clients/web/page, into clients/web/dist, which is in the
+# Bundles the modules of softsim-web's page, clients/web/page, into clients/web/dist, which is in the
 # repository: who builds the programs needs no node. Needs npm, and the registry at first.
 #   tools/build_page.sh          makes dist anew, with the checksums of it and of its sources
 #   tools/build_page.sh --sums   are dist and the sources what they were when it was made? No node
@@ -23,15 +23,10 @@ if ! [ -d $page/node_modules/three ] || ! command -v node >/dev/null; then
   [ $out = $dist ] || { echo "build_page.sh: no modules to build with here: tools/setup.sh browser" >&2; exit 77; }
   (cd $page && npm ci --ignore-scripts --no-audit --no-fund >/dev/null)
 fi
-mkdir -p "$out"
 $page/node_modules/.bin/esbuild $page/src/main.js --bundle --minify --format=esm --target=es2021 \
   --legal-comments=eof --log-level=warning --outfile="$out/app.js"
-cp $page/index.html $page/app.css $page/favicon.svg "$out/"
-files=(app.css app.js favicon.svg index.html)
 if [ "$out" = $dist ]; then
-  LC_ALL=C sha256sum "${files[@]/#/$dist/}" $page/{app.css,favicon.svg,index.html,package-lock.json} $page/src/*.js >$sums
-  exit 0
+  LC_ALL=C sha256sum $dist/app.js $page/package-lock.json $page/src/*.js >$sums
+else
+  cmp $dist/app.js "$out/app.js" || refuse
 fi
-for file in "${files[@]}"; do
-  cmp "$dist/$file" "$out/$file" || refuse
-done

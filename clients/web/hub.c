@@ -11,11 +11,11 @@
 #include <time.h>
 
 #include "indentation.h"
+#include "page_json.h"
 #include "process.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
-#include "status_json.h"
 
 enum {
     SAMPLES = 600, /* ten seconds of a sixtieth each */
@@ -113,32 +113,18 @@ static void change(ss_hub *hub)
     hub->is_changed = true;
 }
 
-static void take_topology(void *context, const softsim_topology_chunk *chunk)
-{
-    ss_hub *hub = context;
-    pthread_mutex_lock(&hub->lock);
-    (void)ss_body_take_topology(&hub->body, chunk);
-    change(hub);
-    pthread_mutex_unlock(&hub->lock);
-}
-
-static void take_delta(void *context, const softsim_mesh_delta *delta)
-{
-    ss_hub *hub = context;
-    pthread_mutex_lock(&hub->lock);
-    ss_body_take_delta(&hub->body, delta);
-    change(hub);
-    pthread_mutex_unlock(&hub->lock);
-}
-
-static void take_field(void *context, const softsim_mesh_field *field)
-{
-    ss_hub *hub = context;
-    pthread_mutex_lock(&hub->lock);
-    ss_body_take_field(&hub->body, field);
-    change(hub);
-    pthread_mutex_unlock(&hub->lock);
-}
+#define TAKE(name, type)                                                                           \
+    static void take_##name(void *context, const type *message)                                    \
+    {                                                                                              \
+        ss_hub *hub = context;                                                                     \
+        pthread_mutex_lock(&hub->lock);                                                            \
+        (void)ss_body_take_##name(&hub->body, message);                                            \
+        change(hub);                                                                               \
+        pthread_mutex_unlock(&hub->lock);                                                          \
+    }
+TAKE(topology, softsim_topology_chunk)
+TAKE(delta, softsim_mesh_delta)
+TAKE(field, softsim_mesh_field)
 
 static void take_pose(void *context, const softsim_pose *pose, int32_t channel)
 {
@@ -209,16 +195,7 @@ static void renew(char **text, char *json, uint64_t *version)
 static void take_status(void *context, const softsim_server_status *status, int64_t receive_ns)
 {
     ss_hub *hub = context;
-    char *json = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&json, &size);
-    if (out == NULL) {
-        return;
-    }
-    fputs("{\"type\": \"status\", \"status\": ", out);
-    ss_status_json(out, status);
-    fputs("}", out);
-    fclose(out);
+    char *json = ss_json_of_status(status);
     pthread_mutex_lock(&hub->lock);
     renew(&hub->status, json, &hub->status_version);
     hub->status_ns = receive_ns;
@@ -230,75 +207,10 @@ static void take_status(void *context, const softsim_server_status *status, int6
     pthread_mutex_unlock(&hub->lock);
 }
 
-static void put_tool(FILE *out, const softsim_scene_report *scene, int32_t p, const float *hull)
-{
-    static const char *const name[] = {
-#define X(form, value, text) [value] = (text),
-        SOFTSIM_TOOL_LIST(X)
-#undef X
-    };
-    fprintf(out, "{\"probe\": %d, \"form\": \"%s\", \"size\": [%.9g, %.9g, %.9g], \"hull\": [", p,
-            name[scene->form[p]], scene->size[p][0], scene->size[p][1], scene->size[p][2]);
-    for (int32_t i = 0; i < 3 * scene->hull_count[p]; ++i) {
-        fprintf(out, "%s%.7g", i > 0 ? ", " : "", (double)hull[i]);
-    }
-    fputs("]}", out);
-}
-
-/* "PATH=VALUE LOW HIGH UNIT"; what has another form is left out. */
-static bool put_parameter(FILE *out, const char *text, bool is_first)
-{
-    char path[128], value[64], unit[96] = "";
-    double low = 0.0, high = 0.0;
-    if (sscanf(text, "%127[^= ]=%63s %lf %lf %95[^\n]", path, value, &low, &high, unit) < 4 ||
-        !isfinite(low) || !isfinite(high)) {
-        return false;
-    }
-    fputs(is_first ? "{\"path\": " : ", {\"path\": ", out);
-    ss_plain_json(out, path);
-    fputs(", \"value\": ", out);
-    ss_plain_json(out, value);
-    fprintf(out, ", \"low\": %.9g, \"high\": %.9g, \"unit\": ", low, high);
-    ss_plain_json(out, unit);
-    fputs("}", out);
-    return true;
-}
-
 static void take_scene(void *context, const softsim_scene_report *scene)
 {
     ss_hub *hub = context;
-    char *json = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&json, &size);
-    if (out == NULL) {
-        return;
-    }
-    const struct {
-        const char *key, *text;
-    } texts[] = {{"name", scene->name}, {"model", scene->model}, {"field", scene->field}};
-    fprintf(out, "{\"type\": \"scene\"");
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
-        fprintf(out, ", \"%s\": ", texts[i].key);
-        ss_plain_json(out, texts[i].text);
-    }
-    fputs(", \"tools\": [", out);
-    const float *hull = scene->hull;
-    const char *comma = "";
-    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        if (scene->form[p] != SOFTSIM_TOOL_NONE) {
-            fputs(comma, out);
-            put_tool(out, scene, p, hull);
-            comma = ", ";
-        }
-        hull += 3 * (size_t)scene->hull_count[p];
-    }
-    fputs("], \"parameters\": [", out);
-    bool is_first = true;
-    for (int32_t i = 0; i < scene->parameter_count; ++i) {
-        is_first = !put_parameter(out, scene->parameter[i], is_first) && is_first;
-    }
-    fputs("]}", out);
-    fclose(out);
+    char *json = ss_json_of_scene(scene);
     pthread_mutex_lock(&hub->lock);
     if (hub->scene == NULL || json == NULL || strcmp(hub->scene, json) != 0) {
         renew(&hub->scene, json, &hub->scene_version);

@@ -83,26 +83,24 @@ int main(int argc, char **argv)
     options o = {.host = "127.0.0.1", .port = 8080};
     const ss_arg rows[] = {
         {"--port", SS_ARG_INTEGER, &o.port, 0, 65535, "N", "to listen on (8080); 0: a free one"},
-        {"--host", SS_ARG_STRING, &o.host, 0, 0, "ADDRESS",
-         "to listen on (127.0.0.1: this machine only); another needs --token"},
-        {"--token", SS_ARG_STRING, &o.token, 0, 0, "T",
-         "who has it not in the address (/?token=T) is refused"},
-        {"--record-dir", SS_ARG_STRING, &o.record_dir, 0, 0, "DIR",
-         "where recordings stay (a folder that is removed at the end)"},
+        SS_TEXT("--host", &o.host, "ADDRESS",
+                "to listen on (127.0.0.1: this machine only); another needs --token"),
+        SS_TEXT("--token", &o.token, "T", "who has it not in the address (/?token=T) is refused"),
+        SS_TEXT("--record-dir", &o.record_dir, "DIR",
+                "where recordings stay (a folder that is removed at the end)"),
         {"--duration", SS_ARG_NUMBER, &o.duration_s, 1e-3, 1e6, "S", "ends after S"},
         SS_ARG_BUS(&o.lcm_url, &o.prefix),
     };
     softsim_error error = {.status = SOFTSIM_OK};
     const char *program = program_invocation_short_name;
     ss_program_begin();
-    const ss_args_result parsed = ss_args_parse(
-        argc, argv, "[options]", "Shows a softsimd in a browser, whose mouse is a probe.", rows,
-        (int32_t)(sizeof rows / sizeof rows[0]), NULL, 0, 0, NULL, &error);
-    if (parsed == SS_ARGS_DONE) {
-        return ss_program_finish(program, EXIT_SUCCESS);
-    }
-    if (parsed == SS_ARGS_BAD || !check(&o, &error)) {
-        return ss_args_finish(program, error.status, &error);
+    ss_args_result parsed =
+        SS_ARGS_OPTIONS(argc, argv, "[options]",
+                        "Shows a softsimd in a browser, whose mouse is a probe.", rows, &error);
+    parsed = parsed == SS_ARGS_RUN && !check(&o, &error) ? SS_ARGS_BAD : parsed;
+    int exit_code = 0;
+    if (!ss_args_may_run(program, parsed, &error, &exit_code)) {
+        return ss_program_finish(program, exit_code);
     }
     char folder[] = "/tmp/softsim-web-XXXXXX";
     const bool is_own_folder = o.record_dir == NULL && mkdtemp(folder) != NULL;

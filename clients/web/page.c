@@ -6,14 +6,14 @@
 #include "serve.h"
 
 #define FILE_LIST(X)                                                                               \
-    X(index, "/", "text/html; charset=utf-8", "index.html")                                        \
-    X(script, "/app.js", "text/javascript; charset=utf-8", "app.js")                               \
-    X(style, "/app.css", "text/css; charset=utf-8", "app.css")                                     \
-    X(icon, "/favicon.svg", "image/svg+xml", "favicon.svg")
+    X(index, "/", "text/html; charset=utf-8", "page/index.html")                                   \
+    X(script, "/app.js", "text/javascript; charset=utf-8", "dist/app.js")                          \
+    X(style, "/app.css", "text/css; charset=utf-8", "page/app.css")                                \
+    X(icon, "/favicon.svg", "image/svg+xml", "page/favicon.svg")
 
 #define X(name, path, type, file)                                                                  \
     __asm__(".section .rodata\n"                                                                   \
-            "ss_page_" #name "_begin: .incbin \"" SOFTSIM_PAGE_DIR "/" file "\"\n"                 \
+            "ss_page_" #name "_begin: .incbin \"" SOFTSIM_WEB_DIR "/" file "\"\n"                  \
             "ss_page_" #name "_end: .byte 0\n"                                                     \
             ".previous\n");                                                                        \
     extern const unsigned char ss_page_##name##_begin[] __attribute__((visibility("hidden")));     \
