@@ -19,6 +19,7 @@
 #include <unistd.h>
 
 #include "common/folder_fixture.h"
+#include "common/log_fixture.h"
 #include "net/codec.h"
 #include "process/process.h"
 #include "rt/vec.h"
@@ -305,6 +306,42 @@ static inline void expect_status(int expected)
     if (status != expected) {
         fail_msg("status %d, not %d: %s%s", status, expected, child.out, child.err);
     }
+}
+
+/* The program from its start to its end, with a server there. */
+static inline void run_served(const char *const *argv, int status)
+{
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(status);
+    stop_server();
+}
+
+/* The same among rubbish, until the server has all that was sent. How many were dropped before. */
+static inline long run_among_rubbish(const char *const *argv, int poses)
+{
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.sends_rubbish = true;
+    const long dropped_before = count_dropped();
+    start_server();
+    process_start(&child, argv, NULL);
+    expect_status(0);
+    await_poses(poses, dropped_before);
+    stop_server();
+    return dropped_before;
+}
+
+/* And stopped by `signal` after a hundred poses. */
+static inline void run_until_stopped(const char *const *argv, int signal, int status)
+{
+    start_server();
+    process_start(&child, argv, NULL);
+    while (stand_in.poses < 100 && !process_has_ended(&child)) {
+        poll(NULL, 0, 5);
+    }
+    process_signal(&child, signal);
+    expect_status(status);
+    stop_server();
 }
 
 /* Until a recording has something in it; it is flushed once a second. */

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "common/folder_fixture.h"
+#include "common/log_fixture.h"
 #include "common/number_fixture.h"
 #include "indentation.h"
 #include "net/codec.h"
@@ -338,24 +339,6 @@ TEST(output_is_complete_or_absent)
 /* ---- pose paths ---- */
 
 /* ---- recordings ---- */
-
-/* How many whole records a log has; `out_rest`: bytes that belong to no record. */
-static int count_records(const char *path, int64_t *out_rest)
-{
-    softsim_error error = {.status = SOFTSIM_OK};
-    softsim_log *log = NULL;
-    softsim_log_event event;
-    softsim_log_result result;
-    int count = 0;
-    *out_rest = 0;
-    assert_int_equal(softsim_log_open(path, &log, &error), SOFTSIM_OK);
-    while ((result = softsim_log_next(log, &event)) != SOFTSIM_LOG_END) {
-        count += result == SOFTSIM_LOG_EVENT;
-        *out_rest += result == SOFTSIM_LOG_EVENT ? 0 : event.skipped;
-    }
-    softsim_log_close(&log);
-    return count;
-}
 
 static void write_poses(softsim_log_writer *writer, int count)
 {

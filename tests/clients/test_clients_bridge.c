@@ -76,14 +76,7 @@ SERVED_TEST(a_hangup_ends_in_order)
 {
     const char *csv = in_folder("h.csv");
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
-    start_server();
-    process_start(&child, argv, NULL);
-    while (stand_in.poses < 100 && !process_has_ended(&child)) {
-        poll(NULL, 0, 5);
-    }
-    process_signal(&child, SIGHUP);
-    expect_status(0);
-    stop_server();
+    run_until_stopped(argv, SIGHUP, 0);
     assert_non_null(strstr(child.out, "peak force"));
     assert_true(count_lines(csv) > 50);
 }
@@ -106,14 +99,7 @@ static bool close_the_loop(void)
     const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--script", "press",
                                 "--ticks",        "1500",     "--csv", csv,        "--offset-m",
                                 "0.5,0.25,0.001", "--probe",  "1",     NULL};
-    memset(&stand_in, 0, sizeof stand_in);
-    stand_in.sends_rubbish = true;
-    const long dropped_before = count_dropped();
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(0);
-    await_poses(1500, dropped_before);
-    stop_server();
+    (void)run_among_rubbish(argv, 1500);
     assert_true(stand_in.fresh <= 1500);
     bool was_touched = false;
     int32_t last_force_seq = -1, last_seq = 0;
@@ -190,10 +176,7 @@ SERVED_TEST(bridge_models_a_bad_bus)
                                 "--script",
                                 "slide",
                                 NULL};
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(0);
-    stop_server();
+    run_served(argv, 0);
     /* A fifth lost each way and counted; the last few are still under way. */
     int forces = 0, lost = 0;
     const char *counts = strstr(child.out, "forces ");
@@ -223,10 +206,7 @@ SERVED_TEST(bridge_tells_that_forces_stop)
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "2400", NULL};
     stand_in.mute_from = 300;
     stand_in.mute_until = INT32_MAX;
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(1);
-    stop_server();
+    run_served(argv, 1);
     double at_s = 0.0;
     const char *said = strstr(child.err, "forces stopped at");
     assert_non_null(said);
@@ -244,10 +224,7 @@ SERVED_TEST(bridge_tells_that_forces_stop)
         memset(&stand_in, 0, sizeof stand_in);
         stand_in.mute_from = 300;
         stand_in.mute_until = 800;
-        start_server();
-        process_start(&child, argv, NULL);
-        expect_status(0);
-        stop_server();
+        run_served(argv, 0);
         said = strstr(child.err, "forces again at");
         at_s = 0.0;
         if (said != NULL) {
@@ -262,10 +239,7 @@ SERVED_TEST(bridge_tells_whose_the_probe_is)
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "800", NULL};
     stand_in.other_until = 400;
     stand_in.is_entering = true; /* not by its own doing: no hint */
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(0);
-    stop_server();
+    run_served(argv, 0);
     int forces = 0, answered = 0;
     const char *at = strstr(child.out, "forces ");
     assert_non_null(at);

@@ -35,10 +35,7 @@ SERVED_TEST(monitor_believes_only_whole_messages)
 {
     const char *const argv[] = {"softsim-monitor", "--once", "--json", NULL};
     stand_in.sends_status = true;
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(0);
-    stop_server();
+    run_served(argv, 0);
     assert_non_null(strstr(child.out, "\"scene\": \"stand-in.yaml\", \"model\": \"linear\", "
                                       "\"reason\": \"\"}\n"));
     assert_non_null(strstr(child.out, "\"uptime_s\": 2.5"));
@@ -71,11 +68,8 @@ static int start_patient(void **state)
 
 static int stop_patient(void **state)
 {
-    process *all[] = {&patient, &asking};
-    for (int i = 0; i < 2; ++i) {
-        process_signal(all[i], SIGKILL);
-        process_finish(all[i]);
-    }
+    process_kill(&patient);
+    process_kill(&asking);
     return 0;
 }
 

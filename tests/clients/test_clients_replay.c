@@ -16,10 +16,7 @@ SERVED_TEST(lockstep_answers_every_pose_once)
     stand_in.lose_pose_every = 101;
     stand_in.lose_answer_every = 200;
     stand_in.sends_rubbish = true;
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(0);
-    stop_server();
+    run_served(argv, 0);
     assert_int_equal(read_csv(csv), 600);
     assert_int_equal(stand_in.fresh, 600);
     for (int i = 0; i < 600; ++i) {
@@ -70,14 +67,7 @@ SERVED_TEST(paced_replay_keeps_the_answers)
     make_log(log, 400, 1);
     int count = 0, last = 0;
     for (int attempt = 0; attempt < 10 && last != 400; ++attempt) {
-        memset(&stand_in, 0, sizeof stand_in);
-        stand_in.sends_rubbish = true;
-        const long before = count_dropped();
-        start_server();
-        process_start(&child, argv, NULL);
-        expect_status(0);
-        await_poses(400, before);
-        stop_server();
+        const long before = run_among_rubbish(argv, 400);
         count = read_csv(csv);
         assert_in_range(count, 1, stand_in.fresh);
         last = rows[count - 1].pose_seq;
@@ -111,10 +101,7 @@ SERVED_TEST(pose_csv_is_replayed)
         "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,3,0,0,0,1,0,0,0,0\n0.1,3,0,0,-0.01,1,0,0,0,1\n",
         file);
     fclose(file);
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(0);
-    stop_server();
+    run_served(argv, 0);
     assert_int_equal(stand_in.fresh, 51);
     assert_int_equal(stand_in.kept[50].buttons, 1);
     assert_true(stand_in.kept[25].probe == 3 && isnan(stand_in.kept[25].velocity[0]));
@@ -143,29 +130,16 @@ SERVED_TEST(stopped_replay_keeps_its_files)
     const char *record = in_folder("r.lcmlog"), *record_part = in_folder("r.lcmlog.part");
     const char *const argv[] = {"softsim-replay", log, "--csv", csv, "--record", record, NULL};
     make_log(log, 30000, 1);
-    start_server();
-    process_start(&child, argv, NULL);
-    while (stand_in.poses < 100 && !process_has_ended(&child)) {
-        poll(NULL, 0, 5);
-    }
-    process_signal(&child, SIGINT);
-    expect_status(1);
-    stop_server();
+    run_until_stopped(argv, SIGINT, 1);
     const char *stopped = strstr(child.err, "stopped after");
     assert_non_null(stopped);
     assert_non_null(strstr(stopped, "a.csv: not complete; what was recorded is in "));
     assert_non_null(strstr(stopped, csv_part));
     assert_non_null(strstr(stopped, record_part));
     assert_true(read_csv(csv_part) > 0);
-    softsim_error error = {.status = SOFTSIM_OK};
-    softsim_log *recorded = NULL;
-    softsim_log_event event;
-    softsim_log_result result;
-    assert_int_equal(softsim_log_open(record_part, &recorded, &error), SOFTSIM_OK);
-    while ((result = softsim_log_next(recorded, &event)) == SOFTSIM_LOG_EVENT) {
-    }
-    assert_int_equal(result, SOFTSIM_LOG_END);
-    softsim_log_close(&recorded);
+    int64_t rest = 0;
+    assert_true(count_records(record_part, &rest) > 0);
+    assert_int_equal(rest, 0);
     assert_int_equal(access(csv, F_OK), -1);
     assert_int_equal(access(record, F_OK), -1);
 }
@@ -187,18 +161,9 @@ SERVED_TEST(a_killed_replay_leaves_what_it_recorded)
     assert_non_null(strstr(child.err, csv_part)); /* told while it could */
     assert_non_null(strstr(child.err, record_part));
     assert_true(count_lines(csv_part) > 1);
-    softsim_error error = {.status = SOFTSIM_OK};
-    softsim_log *recorded = NULL;
-    softsim_log_event event;
-    softsim_log_result result;
-    int count = 0;
-    assert_int_equal(softsim_log_open(record_part, &recorded, &error), SOFTSIM_OK);
-    while ((result = softsim_log_next(recorded, &event)) == SOFTSIM_LOG_EVENT) {
-        ++count;
-    }
-    assert_int_equal(result, SOFTSIM_LOG_END); /* nothing cut, nothing damaged */
-    assert_true(count > 10);
-    softsim_log_close(&recorded);
+    int64_t rest = 0;
+    assert_true(count_records(record_part, &rest) > 10);
+    assert_int_equal(rest, 0); /* nothing cut, nothing damaged */
     assert_int_equal(access(csv, F_OK), -1);
     assert_int_equal(access(record, F_OK), -1);
     /* Nor may what was left be written over by who plays it. */
@@ -220,10 +185,7 @@ SERVED_TEST(damaged_logs_are_played_and_named)
     fwrite(huge, 1, 4, file);
     fclose(file);
     assert_int_equal(truncate(log, 20 * record - 7), 0);
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(0);
-    stop_server();
+    run_served(argv, 0);
     char expected[128];
     snprintf(expected, sizeof expected, "damaged record at byte %ld, skipped %ld bytes", 4 * record,
              record);

@@ -57,16 +57,18 @@ static void take_delta(int32_t topology, int32_t node, int16_t x)
     ss_body_take_delta(&body, &delta);
 }
 
-/* The kind of the next frame for a browser, 0 without one; what it is of in *out. */
-static int next_frame(ss_body_copy *copy, uint8_t *out, size_t *out_size)
+/* The kind of the next frame for a browser, 0 without one; what it is of in `frame`. */
+static uint8_t frame[512];
+static size_t size;
+static int next_frame(ss_body_copy *copy)
 {
-    uint8_t *frame = ss_body_frame(&body, copy, ROOM, out_size);
-    if (frame == NULL) {
+    uint8_t *sent = ss_body_frame(&body, copy, ROOM, &size);
+    if (sent == NULL) {
         return 0;
     }
-    memcpy(out, frame + ROOM, *out_size);
-    free(frame);
-    return out[0];
+    memcpy(frame, sent + ROOM, size);
+    free(sent);
+    return frame[0];
 }
 
 static int forget_body(void **state)
@@ -79,16 +81,14 @@ static int forget_body(void **state)
 TEST_WITH(a_body_is_shown_when_all_of_it_is_there, NULL, forget_body)
 {
     ss_body_copy copy = {0};
-    uint8_t frame[512];
-    size_t size = 0;
     uint32_t number = 0;
     assert_true(take_chunk(1, 3, 3, 2, 2));
     assert_true(take_chunk(1, 3, 3, 2, 2)); /* twice counts once */
     assert_false(ss_body_is_due(&body, &copy));
-    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    assert_int_equal(next_frame(&copy), 0);
     assert_true(take_chunk(1, 0, 3, 0, 2));
     assert_true(ss_body_is_due(&body, &copy));
-    assert_int_equal(next_frame(&copy, frame, &size), 1);
+    assert_int_equal(next_frame(&copy), 1);
     assert_int_equal(size, 16 + NODES * 13 + TRIANGLES * 12);
     memcpy(&number, frame + 4, 4);
     assert_int_equal(number, NODES);
@@ -96,7 +96,7 @@ TEST_WITH(a_body_is_shown_when_all_of_it_is_there, NULL, forget_body)
     memcpy(&last, frame + 16 + (3 * NODES - 1) * 4, 4);
     assert_true(last == 3 * NODES - 1);
     assert_int_equal(frame[size - 1], 1); /* flag of node 5 */
-    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    assert_int_equal(next_frame(&copy), 0);
     ss_body_free_copy(&copy);
 }
 
@@ -104,22 +104,20 @@ TEST_WITH(a_body_is_shown_when_all_of_it_is_there, NULL, forget_body)
 TEST_WITH(a_slow_browser_gets_what_it_lacks_and_no_more, NULL, forget_body)
 {
     ss_body_copy quick = {0}, slow = {0};
-    uint8_t frame[512];
-    size_t size = 0;
     uint32_t count = 0;
     take_chunk(1, 0, 6, 0, 4);
-    next_frame(&quick, frame, &size);
-    next_frame(&slow, frame, &size);
+    next_frame(&quick);
+    next_frame(&slow);
     for (int16_t x = 1; x <= 50; ++x) {
         take_delta(1, x % 2, x);
-        assert_int_equal(next_frame(&quick, frame, &size), 2);
+        assert_int_equal(next_frame(&quick), 2);
         memcpy(&count, frame + 4, 4);
         assert_int_equal(count, 1);
     }
     take_delta(1, 5, 7);
     take_delta(1, 5, 0); /* there and back again: nothing to tell */
-    assert_int_equal(next_frame(&quick, frame, &size), 0);
-    assert_int_equal(next_frame(&slow, frame, &size), 2);
+    assert_int_equal(next_frame(&quick), 0);
+    assert_int_equal(next_frame(&slow), 2);
     memcpy(&count, frame + 4, 4);
     assert_int_equal(count, 2);
     int16_t x[2];
@@ -135,27 +133,23 @@ TEST_WITH(a_slow_browser_gets_what_it_lacks_and_no_more, NULL, forget_body)
 TEST_WITH(a_late_browser_gets_the_body_and_its_displacements, NULL, forget_body)
 {
     ss_body_copy copy = {0};
-    uint8_t frame[512];
-    size_t size = 0;
     take_chunk(1, 0, 6, 0, 4);
     take_delta(1, 2, 9);
-    assert_int_equal(next_frame(&copy, frame, &size), 1);
-    assert_int_equal(next_frame(&copy, frame, &size), 2);
-    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    assert_int_equal(next_frame(&copy), 1);
+    assert_int_equal(next_frame(&copy), 2);
+    assert_int_equal(next_frame(&copy), 0);
     ss_body_free_copy(&copy);
 }
 
 TEST_WITH(another_body_starts_afresh, NULL, forget_body)
 {
     ss_body_copy copy = {0};
-    uint8_t frame[512];
-    size_t size = 0;
     take_chunk(1, 0, 6, 0, 4);
-    next_frame(&copy, frame, &size);
+    next_frame(&copy);
     take_delta(2, 0, 9); /* of a topology that is not known */
-    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    assert_int_equal(next_frame(&copy), 0);
     take_chunk(2, 0, 6, 0, 4);
-    assert_int_equal(next_frame(&copy, frame, &size), 1);
+    assert_int_equal(next_frame(&copy), 1);
     ss_body_free_copy(&copy);
 }
 
@@ -172,8 +166,6 @@ TEST_WITH(a_field_goes_to_the_nodes_that_it_names, NULL, forget_body)
 {
     static const int16_t value[] = {1, 2, 3};
     ss_body_copy copy = {0};
-    uint8_t frame[512];
-    size_t size = 0;
     const softsim_mesh_field field = {.topology = 1,
                                       .first_node = 3,
                                       .count = 3,
@@ -184,11 +176,11 @@ TEST_WITH(a_field_goes_to_the_nodes_that_it_names, NULL, forget_body)
     softsim_mesh_field beyond = field;
     beyond.first_node = 4;
     take_chunk(1, 0, 6, 0, 4);
-    next_frame(&copy, frame, &size);
+    next_frame(&copy);
     ss_body_take_field(&body, &beyond);
-    assert_int_equal(next_frame(&copy, frame, &size), 0);
+    assert_int_equal(next_frame(&copy), 0);
     ss_body_take_field(&body, &field);
-    assert_int_equal(next_frame(&copy, frame, &size), 3);
+    assert_int_equal(next_frame(&copy), 3);
     assert_int_equal(size, 80 + 2 * NODES);
     assert_string_equal((const char *)frame + 16, "energy");
     assert_string_equal((const char *)frame + 48, "J/m^3");

@@ -22,6 +22,19 @@ static inline int32_t block_node(const block_size *b, int i, int j, int k)
     return (k * (b->cells[1] + 1) + j) * (b->cells[0] + 1) + i;
 }
 
+/* A mesh of them, which are freed. */
+static inline ss_mesh *take_tetrahedra(int32_t nodes, double (*x)[3], int32_t count,
+                                       int32_t (*tetrahedron)[4])
+{
+    ss_mesh *mesh = NULL;
+    assert_int_equal(ss_mesh_create(nodes, (const double(*)[3])x, 0, NULL, count,
+                                    (const int32_t(*)[4])tetrahedron, &mesh, NULL),
+                     SOFTSIM_OK);
+    free(x);
+    free(tetrahedron);
+    return mesh;
+}
+
 /* Cells of six tetrahedra around a diagonal, all volumes above 0. */
 static inline ss_mesh *make_block(const block_size *b)
 {
@@ -65,11 +78,5 @@ static inline ss_mesh *make_block(const block_size *b)
             }
         }
     }
-    ss_mesh *mesh = NULL;
-    assert_int_equal(ss_mesh_create(nodes, (const double(*)[3])x, 0, NULL, count,
-                                    (const int32_t(*)[4])t, &mesh, NULL),
-                     SOFTSIM_OK);
-    free(x);
-    free(t);
-    return mesh;
+    return take_tetrahedra(nodes, x, count, t);
 }

@@ -68,6 +68,9 @@ static inline void free_mesh(ss_mesh *mesh)
 
 /* ---- tetrahedra ---- */
 
+static const double regular_tetrahedron[4][3] = {
+    {.01, .01, .01}, {.01, -.01, -.01}, {-.01, .01, -.01}, {-.01, -.01, .01}};
+
 static inline ss_mesh *make_tetrahedra(int32_t nodes, const double (*position)[3], int32_t count,
                                        const int32_t (*tetrahedron)[4])
 {

@@ -19,3 +19,13 @@ static inline ss_mesh *make_mesh(int32_t nodes, const double (*x)[3], int32_t tr
     }
     return mesh;
 }
+
+/* The nodes of `expected` are the first of `found`. */
+static inline void assert_nodes_near(const ss_mesh *found, const ss_mesh *expected, double by)
+{
+    for (int32_t i = 0; i < expected->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            assert_near(found->position[i][k], expected->position[i][k], by);
+        }
+    }
+}

@@ -118,6 +118,14 @@ static inline void setup_fini(setup *s)
     ss_mesh_destroy(&s->mesh);
 }
 
+/* No model of it: so, and with these words. */
+static inline void expect_refusal(setup *s, softsim_status status, const char *words)
+{
+    assert_int_equal(setup_create(s), status);
+    assert_non_null(strstr(s->error.text, words));
+    setup_fini(s);
+}
+
 /* ---- in time ---- */
 
 static inline void steps_with(setup *s, int count, double dt, const ss_model_tool *tool)

@@ -297,6 +297,16 @@ TEST(kept_broad_phases_do_not_change_a_bit)
     }
 }
 
+/* Touched, and as after a broad phase at that very pose. */
+static void expect_as_afresh(const ss_tool_pose *pose)
+{
+    const double found = penalty(pose);
+    assert_true(found > 0.0);
+    broad_phase(pose, pose);
+    const double afresh = penalty(pose);
+    assert_memory_equal(&found, &afresh, sizeof found);
+}
+
 /* Nodes that move after the broad phase, up to delta, must not be culled. */
 TEST(motion_after_the_broad_phase_is_seen)
 {
@@ -308,11 +318,7 @@ TEST(motion_after_the_broad_phase_is_seen)
     for (int32_t i = 0; i < mesh.node_count; ++i) {
         u[4 * i + 2] = (ss_real)0.006;
     }
-    const double late = penalty(&pose);
-    assert_true(late > 0.0);
-    broad_phase(&pose, &pose);
-    const double fresh = penalty(&pose);
-    assert_memory_equal(&late, &fresh, sizeof late);
+    expect_as_afresh(&pose);
     close_query();
 }
 
@@ -368,11 +374,7 @@ TEST(a_fast_tool_finds_what_it_crosses)
     broad_phase(&from, &to);
     ss_tool_pose crossing;
     ss_tool_pose_blend(&from, &to, 0.48, &crossing);
-    const double swept = penalty(&crossing);
-    assert_true(swept > 0.0);
-    broad_phase(&crossing, &crossing);
-    const double there = penalty(&crossing);
-    assert_memory_equal(&swept, &there, sizeof swept);
+    expect_as_afresh(&crossing);
     close_query();
 }
 

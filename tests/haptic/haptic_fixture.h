@@ -62,6 +62,12 @@ static inline void rig_start(rig *r, const ss_haptic_config *config)
                              .applied_force = {NAN, NAN, NAN}};
 }
 
+static inline void rig_begin(rig *r)
+{
+    const ss_haptic_config config = default_config();
+    rig_start(r, &config);
+}
+
 static inline void rig_end(rig *r)
 {
     ss_haptic_destroy(&r->haptic);
@@ -127,6 +133,12 @@ static inline double rig_press(rig *r, double k, double depth)
         f = rig_tick(r, z);
     }
     return f;
+}
+
+static inline double rig_begin_pressed(rig *r, double k, double depth)
+{
+    rig_begin(r);
+    return rig_press(r, k, depth);
 }
 
 /* ---- random numbers ---- */

@@ -48,9 +48,8 @@ TEST(felt_stiffness_is_the_softer_of_tissue_and_limit)
 
 TEST(touch_and_leaving_are_continuous)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
+    rig_begin(&r);
     rig_tick(&r, 1e-3);
     rig_result(&r, 1000.0, -1e-3, 1);
     rig_tick(&r, 1e-3);
@@ -72,11 +71,9 @@ TEST(touch_and_leaving_are_continuous)
  * results are slow. */
 TEST(law_errs_high)
 {
-    const ss_haptic_config config = default_config();
     for (int is_slow = 0; is_slow < 2; ++is_slow) {
         rig r;
-        rig_start(&r, &config);
-        const double before = rig_press(&r, 300.0, 2e-3);
+        const double before = rig_begin_pressed(&r, 300.0, 2e-3);
         if (is_slow) {
             rig_result(&r, 300.0, 2e-3, 1);
             r.result.period = 0.08;
@@ -99,10 +96,8 @@ TEST(law_errs_high)
 /* A result that disagrees by 0.5 N is not felt as a step: it comes in with tau = h/4. */
 TEST(updates_are_continuous_and_decay)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    const double before = rig_press(&r, 300.0, 4e-3);
+    const double before = rig_begin_pressed(&r, 300.0, 4e-3);
     rig_result(&r, 300.0, 4e-3, 1);
     r.result.period = 0.016;
     r.result.set.contact[0].force += 0.5;
@@ -245,10 +240,9 @@ TEST(a_stiff_contact_on_soft_tissue_does_not_swing)
  * in, however often results come. */
 TEST(a_touch_that_is_found_at_rest_is_let_in)
 {
-    const ss_haptic_config config = default_config();
     for (int every = 1; every <= 16; every *= 4) {
         rig r;
-        rig_start(&r, &config);
+        rig_begin(&r);
         double f = 0.0;
         for (int i = 0; i < 4; ++i) {
             rig_result(&r, 300.0, -1e-3, 1);
@@ -273,10 +267,8 @@ TEST(a_touch_that_is_found_at_rest_is_let_in)
 
 TEST(curved_patch_bends_height_and_normal)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    rig_press(&r, 300.0, 2e-3);
+    rig_begin_pressed(&r, 300.0, 2e-3);
     for (int i = 0; i < 100; ++i) {
         rig_result(&r, 300.0, 2e-3, 1);
         r.result.set.contact[0].curvature[0][0] = 20.0;
@@ -296,10 +288,8 @@ TEST(curved_patch_bends_height_and_normal)
 
 TEST(grasp_starts_without_jump_and_holds_all_ways)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    const double f = rig_press(&r, 300.0, 4e-3);
+    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
     rig_result(&r, 300.0, 4e-3, 1);
     r.result.set.contact[0].tangential = 200.0;
     rig_tick(&r, -4e-3);
@@ -337,10 +327,8 @@ TEST(grasp_starts_without_jump_and_holds_all_ways)
 
 TEST(grasp_ends_when_the_model_does_not_hold)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    rig_press(&r, 300.0, 4e-3);
+    rig_begin_pressed(&r, 300.0, 4e-3);
     r.pose.buttons = SOFTSIM_BUTTON_GRASP;
     rig_tick(&r, -4e-3);
     assert_true(r.out.force.flags & SOFTSIM_FORCE_GRASPING);
@@ -354,10 +342,8 @@ TEST(grasp_ends_when_the_model_does_not_hold)
 
 TEST(non_finite_input_repeats_the_force)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    const double f = rig_press(&r, 300.0, 4e-3);
+    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
     const int32_t seq = r.out.force.seq;
     r.pose.position[0] = NAN;
     assert_near(rig_tick(&r, -3e-3), f, 0.0);
@@ -416,9 +402,8 @@ TEST(absurd_numbers_stay_finite)
 
 TEST(nothing_is_sent_before_the_first_pose)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
+    rig_begin(&r);
     r.has_pose = false;
     rig_tick(&r, 0.0);
     assert_false(r.out.has_force);

@@ -9,14 +9,21 @@
 
 #include "haptic_fixture.h"
 
+static ss_observer *make_observer(ss_haptic_config *out_config)
+{
+    *out_config = default_config();
+    out_config->is_lockstep = false;
+    ss_observer *observer = calloc(1, sizeof *observer);
+    assert_non_null(observer);
+    return observer;
+}
+
 /* A lossless spring answered n ticks late hands out K a^2 N sin(w T/2) sin(w (tau + T/2)) over N
  * ticks of a full period (the sum in closed form). */
 TEST(observer_sees_the_gift_of_delay)
 {
-    ss_haptic_config config = default_config();
-    config.is_lockstep = false;
-    ss_observer *observer = calloc(1, sizeof *observer);
-    assert_non_null(observer);
+    ss_haptic_config config;
+    ss_observer *observer = make_observer(&config);
     const double k = 500.0, a = 4e-3, w = 4.0 * SS_PI;
     enum { PERIOD = 500 };
     for (int has_seq = 0; has_seq < 2; ++has_seq) {
@@ -60,10 +67,8 @@ TEST(observer_sees_the_gift_of_delay)
  * late: the same sum, of torque and angle. A device that tells its own force has told no torque. */
 TEST(observer_sees_the_work_of_a_torque)
 {
-    ss_haptic_config config = default_config();
-    config.is_lockstep = false;
-    ss_observer *observer = calloc(1, sizeof *observer);
-    assert_non_null(observer);
+    ss_haptic_config config;
+    ss_observer *observer = make_observer(&config);
     const double k = 0.05, a = 0.3, w = 4.0 * SS_PI; /* N m/rad, rad, rad/s */
     enum { PERIOD = 500, DELAY = 5 };
     for (int is_own = 0; is_own < 2; ++is_own) {
@@ -177,10 +182,8 @@ TEST(limit_follows_the_rule_and_its_rate)
 /* The delay forgets what is older than a second, and hostile numbers do not enter. */
 TEST(delay_is_of_the_last_second)
 {
-    ss_haptic_config config = default_config();
-    config.is_lockstep = false;
-    ss_observer *observer = calloc(1, sizeof *observer);
-    assert_non_null(observer);
+    ss_haptic_config config;
+    ss_observer *observer = make_observer(&config);
     ss_observer_restart(observer, &config, false);
     for (int n = 1; n <= 6000; ++n) {
         const int delay = n < 3000 ? 2 : 9;

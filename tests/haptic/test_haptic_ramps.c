@@ -25,10 +25,8 @@ TEST(slew_is_limited_as_a_vector)
 
 TEST(watchdog_ramps_after_50_ticks_in_20)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    const double f = rig_press(&r, 300.0, 4e-3);
+    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
     const int32_t gone = SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_STALE;
     r.has_pose = false;
     for (int i = 1; i <= 100; ++i) {
@@ -53,10 +51,8 @@ TEST(watchdog_ramps_after_50_ticks_in_20)
 /* A thread that sleeps through the beginning of the ramp does not end it later. */
 TEST(missed_ticks_do_not_lengthen_the_ramp)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    const double f = rig_press(&r, 300.0, 4e-3);
+    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
     r.has_pose = false;
     for (int i = 1; i <= 80; ++i) {
         if (i >= 48 && i <= 54) {
@@ -72,10 +68,8 @@ TEST(missed_ticks_do_not_lengthen_the_ramp)
 /* Nor does one that sleeps within a ramp, or an entry, end it in one step. */
 TEST(missed_ticks_do_not_step_the_force)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    const double f = rig_press(&r, 300.0, 4e-3);
+    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
     r.is_reset = true;
     for (int i = 1; i <= 20; ++i) {
         r.tick += i == 5 ? 200 : 0;
@@ -97,10 +91,8 @@ TEST(missed_ticks_do_not_step_the_force)
 /* Before the haptic loop hears of a reset, or the model does: results from across it are no law. */
 TEST(results_from_across_a_reset_do_not_count)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    const double f = rig_press(&r, 300.0, 4e-3);
+    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
     for (int i = 0; i < 50; ++i) {
         rig_result(&r, 300.0, -8e-3, 1); /* at rest, and no tool in it */
         r.ahead = 1;
@@ -118,9 +110,8 @@ TEST(results_from_across_a_reset_do_not_count)
 
 TEST(entry_fades_the_depth_over_500_ticks)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
+    rig_begin(&r);
     rig_tick(&r, -5e-3);
     double last = 0.0;
     for (int i = 0; i <= 600; ++i) {
@@ -153,9 +144,8 @@ TEST(entry_fades_the_depth_over_500_ticks)
  * on, without a step. */
 TEST(tissue_that_springs_back_is_let_in_without_a_step)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
+    rig_begin(&r);
     rig_tick(&r, -5e-3);
     double last = 0.0;
     for (int i = 0; i <= 600; ++i) {
@@ -177,10 +167,8 @@ TEST(tissue_that_springs_back_is_let_in_without_a_step)
 
 TEST(late_results_ramp_with_the_fault_flag)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    const double f = rig_press(&r, 300.0, 4e-3);
+    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
     const int32_t fault = SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_MODEL_FAULT;
     /* The last result was for the tick before the last. */
     for (int i = 1; i <= 600; ++i) {
@@ -203,10 +191,8 @@ TEST(late_results_ramp_with_the_fault_flag)
 
 TEST(fault_of_the_model_ramps)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    const double f = rig_press(&r, 300.0, 4e-3);
+    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
     rig_result(&r, 300.0, 4e-3, 1);
     r.result.is_fault = true;
     r.result.set.contact[0].force = NAN;
@@ -220,11 +206,9 @@ TEST(fault_of_the_model_ramps)
 
 TEST(pause_and_stop_ramp_without_the_fault_flag)
 {
-    const ss_haptic_config config = default_config();
     for (int is_stop = 0; is_stop < 2; ++is_stop) {
         rig r;
-        rig_start(&r, &config);
-        const double f = rig_press(&r, 300.0, 4e-3);
+        const double f = rig_begin_pressed(&r, 300.0, 4e-3);
         r.is_paused = !is_stop;
         r.is_stopping = is_stop;
         for (int i = 1; i <= 700; ++i) {
@@ -251,11 +235,9 @@ TEST(pause_and_stop_ramp_without_the_fault_flag)
  * each tick has at most its share of the force that the ramp found. */
 TEST(nothing_raises_a_force_that_ramps_down)
 {
-    const ss_haptic_config config = default_config();
     for (int is_tissue = 0; is_tissue < 2; ++is_tissue) {
         rig r;
-        rig_start(&r, &config);
-        const double f = rig_press(&r, 300.0, 4e-3);
+        const double f = rig_begin_pressed(&r, 300.0, 4e-3);
         assert_true(f > 1.0);
         r.is_paused = true;
         for (int i = 1; i <= 20; ++i) {
@@ -272,9 +254,8 @@ TEST(nothing_raises_a_force_that_ramps_down)
  * meanwhile. */
 TEST(a_ramp_from_nothing_gives_nothing)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
+    rig_begin(&r);
     for (int i = 0; i < 20; ++i) {
         rig_tick(&r, -4e-3);
     }
@@ -298,9 +279,8 @@ TEST(a_ramp_from_nothing_gives_nothing)
  * velocity, and in its reaction; the hand, still outside, feels neither at once. */
 TEST(the_jump_to_the_surface_is_not_felt)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
+    rig_begin(&r);
     double last = 0.0;
     for (int i = 0; i < 60; ++i) {
         rig_result(&r, 300.0, i == 0 ? 8e-3 : 2e-3, 1);
@@ -319,12 +299,11 @@ TEST(the_jump_to_the_surface_is_not_felt)
  * and proxies are the same to the bit, and will not be. */
 TEST(the_hash_tells_hands_apart_before_their_forces_do)
 {
-    const ss_haptic_config config = default_config();
     uint64_t hash[2];
     for (int k = 0; k < 2; ++k) {
         const double depth = k == 0 ? 0x1p-8 : 0x1p-7;
         rig r;
-        rig_start(&r, &config);
+        rig_begin(&r);
         rig_tick(&r, -depth);
         rig_result(&r, 512.0, depth, 1);
         assert_near(rig_tick(&r, -depth), 0.0, 0.0);
@@ -375,11 +354,10 @@ TEST(the_hash_tells_laws_apart)
  * of entries, and all else is the same. */
 TEST(the_hash_tells_entries_apart)
 {
-    const ss_haptic_config config = default_config();
     uint64_t hash[2];
     for (int k = 0; k < 2; ++k) {
         rig r;
-        rig_start(&r, &config);
+        rig_begin(&r);
         rig_tick(&r, 0.0);
         for (int i = 0; i < 2; ++i) {
             rig_result(&r, 300.0, 0.0, 1);
@@ -400,10 +378,8 @@ TEST(the_hash_tells_entries_apart)
 /* A reset or pause while the depth still fades in: the ramp does not let the rest of it in. */
 TEST(a_ramp_that_interrupts_an_entry_only_falls)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
-    rig_press(&r, 300.0, 4e-3);
+    rig_begin_pressed(&r, 300.0, 4e-3);
     for (int at = 50; at <= 450; at += 100) {
         double f = 0.0;
         r.is_reset = true;
@@ -429,9 +405,8 @@ TEST(a_ramp_that_interrupts_an_entry_only_falls)
 
 TEST(new_holder_starts_without_force)
 {
-    const ss_haptic_config config = default_config();
     rig r;
-    rig_start(&r, &config);
+    rig_begin(&r);
     assert_true(rig_press(&r, 300.0, 4e-3) > 1.0);
     ++r.epoch;
     r.pose.sender = 8;
@@ -443,10 +418,9 @@ TEST(new_holder_starts_without_force)
 
 TEST(target_has_the_whole_orientation)
 {
-    const ss_haptic_config config = default_config();
     static const double turned[4] = {0.5, -0.5, 0.1, 0.7};
     rig r;
-    rig_start(&r, &config);
+    rig_begin(&r);
     memcpy(r.pose.orientation, turned, sizeof turned);
     rig_tick(&r, 1e-3);
     for (int i = 0; i < 4; ++i) {

@@ -541,11 +541,7 @@ TEST(bundled_meshes_are_what_the_generator_makes)
         assert_int_equal(bundled->node_count, again->node_count);
         assert_memory_equal(bundled->triangle, again->triangle,
                             (size_t)again->triangle_count * sizeof *again->triangle);
-        for (int32_t n = 0; n < again->node_count; ++n) {
-            for (int k = 0; k < 3; ++k) {
-                assert_near(again->position[n][k], bundled->position[n][k], 2e-7);
-            }
-        }
+        assert_nodes_near(again, bundled, 2e-7);
         ss_mesh_destroy(&bundled);
         ss_mesh_destroy(&again);
     }

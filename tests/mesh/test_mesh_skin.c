@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/block_fixture.h"
 #include "mesh/mesh.h"
 #include "rt/each.h"
 #include "rt/vec.h"
@@ -38,13 +39,7 @@ static ss_mesh *make_cube(int n, double size, bool hole)
             ++count;
         }
     }
-    ss_mesh *mesh = NULL;
-    assert_int_equal(ss_mesh_create(nodes, (const double(*)[3])x, 0, NULL, count,
-                                    (const int32_t(*)[4])tetrahedron, &mesh, NULL),
-                     SOFTSIM_OK);
-    free(x);
-    free(tetrahedron);
-    return mesh;
+    return take_tetrahedra(nodes, x, count, tetrahedron);
 }
 
 /* The surface of a cube's tetrahedra, those of its top left out where `is_open`; its top at z. */

@@ -40,6 +40,14 @@ static softsim_refusal judge(ss_gate *gate, const softsim_pose *pose, int64_t no
     return ss_gate_judge(gate, pose, 0, now_ns, &epoch);
 }
 
+/* One of ALICE that is `late_ms` under way. */
+static softsim_refusal judge_late(ss_gate *gate, int32_t seq, int64_t now_ms, int64_t late_ms)
+{
+    softsim_pose pose = pose_make(ALICE, seq, now_ms * MS);
+    pose.utime_us -= late_ms * 1000;
+    return judge(gate, &pose, now_ms * MS);
+}
+
 /* Sends a pose of `sender` at now_ns and gives the epoch too. */
 static softsim_refusal offer(ss_gate *gate, int64_t sender, int32_t seq, int64_t now_ns,
                              uint32_t *out_epoch)
@@ -318,27 +326,17 @@ TEST(age_is_measured_against_the_last_ten_seconds)
     /* One pose came 60 ms quicker than all others after it: those are stale until it is forgotten
      * or half a second has passed. */
     assert_int_equal(offer(gate, ALICE, ++seq, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
-    softsim_pose pose = pose_make(ALICE, ++seq, 2 * MS);
-    pose.utime_us -= 30000;
-    assert_int_equal(judge(gate, &pose, 2 * MS), SOFTSIM_ACCEPTED);
+    assert_int_equal(judge_late(gate, ++seq, 2, 30), SOFTSIM_ACCEPTED);
     /* 30 ms late for 9 s: accepted all along, since it was never more than 50. */
     for (int64_t ms = 10; ms < 9000; ms += 10) {
-        pose = pose_make(ALICE, ++seq, ms * MS);
-        pose.utime_us -= 30000;
-        assert_int_equal(judge(gate, &pose, ms * MS), SOFTSIM_ACCEPTED);
+        assert_int_equal(judge_late(gate, ++seq, ms, 30), SOFTSIM_ACCEPTED);
     }
-    pose = pose_make(ALICE, ++seq, 9000 * MS);
-    pose.utime_us -= 60000;
-    assert_int_equal(judge(gate, &pose, 9000 * MS), SOFTSIM_REFUSED_STALE);
+    assert_int_equal(judge_late(gate, ++seq, 9000, 60), SOFTSIM_REFUSED_STALE);
     for (int64_t ms = 9010; ms < 11010; ms += 10) {
-        pose = pose_make(ALICE, ++seq, ms * MS);
-        pose.utime_us -= 30000;
-        assert_int_equal(judge(gate, &pose, ms * MS), SOFTSIM_ACCEPTED);
+        assert_int_equal(judge_late(gate, ++seq, ms, 30), SOFTSIM_ACCEPTED);
     }
     /* The quick pose is out of the window: 60 ms is 30 ms more than the least now. */
-    pose = pose_make(ALICE, ++seq, 11010 * MS);
-    pose.utime_us -= 60000;
-    assert_int_equal(judge(gate, &pose, 11010 * MS), SOFTSIM_ACCEPTED);
+    assert_int_equal(judge_late(gate, ++seq, 11010, 60), SOFTSIM_ACCEPTED);
     ss_gate_destroy(&gate);
 }
 
@@ -347,9 +345,7 @@ TEST(a_sender_back_after_long_silence_is_not_held_to_its_old_delays)
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
     assert_int_equal(offer(gate, ALICE, 1, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
-    softsim_pose pose = pose_make(ALICE, 2, 20000 * MS);
-    pose.utime_us -= 60000;
-    assert_int_equal(judge(gate, &pose, 20000 * MS), SOFTSIM_ACCEPTED);
+    assert_int_equal(judge_late(gate, 2, 20000, 60), SOFTSIM_ACCEPTED);
     ss_gate_destroy(&gate);
 }
 
@@ -364,9 +360,7 @@ TEST(a_sender_that_is_always_stale_starts_afresh_after_half_a_second)
     /* Its clock is set back by an hour. */
     int64_t ms = 100;
     for (; ms < 600; ++ms) {
-        softsim_pose pose = pose_make(ALICE, ++seq, ms * MS);
-        pose.utime_us -= (int64_t)3600 * 1000000;
-        assert_int_equal(judge(gate, &pose, ms * MS), SOFTSIM_REFUSED_STALE);
+        assert_int_equal(judge_late(gate, ++seq, ms, 3600 * 1000), SOFTSIM_REFUSED_STALE);
     }
     softsim_pose pose = pose_make(ALICE, ++seq, ms * MS);
     pose.utime_us -= (int64_t)3600 * 1000000;

@@ -262,6 +262,12 @@ static ss_net *net_make(heard *h, bool is_lockstep, const char *prefix)
     return net;
 }
 
+static void publish_pose(ss_net *net, const char *channel)
+{
+    uint8_t message[MESSAGE_SIZE];
+    lcm_publish(ss_net_lcm(net), channel, message, (unsigned)encode_pose(message));
+}
+
 TEST(poses_reach_their_handler_and_refusals_theirs)
 {
     static heard h;
@@ -301,9 +307,8 @@ TEST(poses_reach_their_handler_and_refusals_theirs)
 TEST(in_lockstep_poses_carry_no_receive_time)
 {
     static heard h;
-    uint8_t message[MESSAGE_SIZE];
     ss_net *net = net_make(&h, true, "SOFTSIM");
-    lcm_publish(ss_net_lcm(net), "SOFTSIM_PROBE_0", message, (unsigned)encode_pose(message));
+    publish_pose(net, "SOFTSIM_PROBE_0");
     assert_true(ss_net_wait(net, -1, 0));
     assert_int_equal(h.poses, 1);
     assert_int_equal(h.receive_ns, 0);
@@ -314,12 +319,10 @@ TEST(in_lockstep_poses_carry_no_receive_time)
 TEST(a_dot_in_the_prefix_is_a_dot)
 {
     static heard h;
-    uint8_t message[MESSAGE_SIZE];
     ss_net *net = net_make(&h, false, "a.b-c");
-    const unsigned size = (unsigned)encode_pose(message);
-    lcm_publish(ss_net_lcm(net), "a.b-c_PROBE_0", message, size);
-    lcm_publish(ss_net_lcm(net), "aXb-c_PROBE_0", message, size);
-    lcm_publish(ss_net_lcm(net), "Xa.b-c_PROBE_0", message, size);
+    publish_pose(net, "a.b-c_PROBE_0");
+    publish_pose(net, "aXb-c_PROBE_0");
+    publish_pose(net, "Xa.b-c_PROBE_0");
     assert_true(ss_net_wait(net, -1, 0));
     assert_int_equal(h.poses, 1);
     ss_net_close(&net);

@@ -201,6 +201,17 @@ static void displace_all(sheet *s, uint64_t *seed, double size)
     }
 }
 
+/* All of it displaced, and told. */
+static sheet *sheet_make_moved(uint64_t *seed)
+{
+    sheet *s = sheet_make(8e6);
+    displace_all(s, seed, 0.1);
+    for (int i = 0; i < 20; ++i) {
+        sheet_send(s, 1, &s->displacement[0][0]);
+    }
+    return s;
+}
+
 static void check_reassembled(const sheet *s)
 {
     for (int32_t i = 0; i < NODES; ++i) {
@@ -378,12 +389,8 @@ TEST(only_what_moved_is_sent)
 
 TEST(every_displaced_node_comes_again_within_a_second)
 {
-    sheet *s = sheet_make(8e6);
     uint64_t seed = 4;
-    displace_all(s, &seed, 0.1);
-    for (int i = 0; i < 20; ++i) {
-        sheet_send(s, 1, &s->displacement[0][0]);
-    }
+    sheet *s = sheet_make_moved(&seed);
     assert_true(sheet_error(s) <= 0.5 + 1e-3);
     /* Still for four seconds, topology rounds between. */
     for (int i = 0; i < 240; ++i) {
@@ -398,12 +405,8 @@ TEST(every_displaced_node_comes_again_within_a_second)
 
 TEST(a_lost_delta_heals_also_where_the_tissue_is_at_rest_again)
 {
-    sheet *s = sheet_make(8e6);
     uint64_t seed = 5;
-    displace_all(s, &seed, 0.1);
-    for (int i = 0; i < 20; ++i) {
-        sheet_send(s, 1, &s->displacement[0][0]);
-    }
+    sheet *s = sheet_make_moved(&seed);
     s->is_deaf = true;
     displace_all(s, &seed, 0.1);
     memset(s->displacement, 0, sizeof s->displacement / 2);

@@ -93,29 +93,16 @@ static int make_field(uint8_t *out)
     return softsim_mesh_field_t_encode(out, 0, MESSAGE_SIZE, &wire);
 }
 
-static bool decode_scene(const uint8_t *data, int32_t size)
-{
-    softsim_scene_report out;
-    return ss_view_decode_scene(data, size, &room, &out);
-}
-
-static bool decode_topology(const uint8_t *data, int32_t size)
-{
-    softsim_topology_chunk out;
-    return ss_view_decode_topology(data, size, &room, &out);
-}
-
-static bool decode_delta(const uint8_t *data, int32_t size)
-{
-    softsim_mesh_delta out;
-    return ss_view_decode_delta(data, size, &room, &out);
-}
-
-static bool decode_field(const uint8_t *data, int32_t size)
-{
-    softsim_mesh_field out;
-    return ss_view_decode_field(data, size, &room, &out);
-}
+#define DECODE(name, type)                                                                         \
+    static bool decode_##name(const uint8_t *data, int32_t size)                                   \
+    {                                                                                              \
+        type out;                                                                                  \
+        return ss_view_decode_##name(data, size, &room, &out);                                     \
+    }
+DECODE(scene, softsim_scene_report)
+DECODE(topology, softsim_topology_chunk)
+DECODE(delta, softsim_mesh_delta)
+DECODE(field, softsim_mesh_field)
 
 static const struct {
     int (*make)(uint8_t *out);

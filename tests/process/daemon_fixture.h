@@ -26,11 +26,9 @@ static process daemon_process, client, other;
 
 static inline int tear_down(void **state)
 {
-    process *all[] = {&client, &other, &daemon_process};
-    for (int i = 0; i < 3; ++i) {
-        process_signal(all[i], SIGKILL);
-        process_finish(all[i]);
-    }
+    process_kill(&client);
+    process_kill(&other);
+    process_kill(&daemon_process);
     return remove_folder(state);
 }
 

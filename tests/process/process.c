@@ -181,6 +181,12 @@ void process_signal(process *p, int signal_number)
     }
 }
 
+void process_kill(process *p)
+{
+    process_signal(p, SIGKILL);
+    process_finish(p);
+}
+
 int process_run(process *p, const char *const *argv)
 {
     process_start(p, argv, NULL);

@@ -39,6 +39,8 @@ int process_finish(process *p);
 /* Has it ended by itself, or never been started? It is reaped by process_finish. */
 bool process_has_ended(const process *p);
 void process_signal(process *p, int signal);
+/* SIGKILL, where it still runs, and its end. */
+void process_kill(process *p);
 /* Monotonic clock. */
 double process_now_s(void);
 /* Runs to the end: status; output in p. */

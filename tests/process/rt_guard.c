@@ -95,54 +95,23 @@ void *aligned_alloc(size_t alignment, size_t size)
 }
 
 #define NEXT(type, name) ((type)dlsym(RTLD_NEXT, name))
-
-void *mmap(void *at, size_t size, int protection, int flags, int fd, off_t offset)
-{
-    static void *(*next)(void *, size_t, int, int, int, off_t);
-    count(6);
-    next = next ? next : NEXT(void *(*)(void *, size_t, int, int, int, off_t), "mmap");
-    return next(at, size, protection, flags, fd, offset);
-}
-
-int munmap(void *at, size_t size)
-{
-    static int (*next)(void *, size_t);
-    count(7);
-    next = next ? next : NEXT(int (*)(void *, size_t), "munmap");
-    return next(at, size);
-}
-
-int pthread_mutex_lock(pthread_mutex_t *mutex)
-{
-    static int (*next)(pthread_mutex_t *);
-    count(8);
-    next = next ? next : NEXT(int (*)(pthread_mutex_t *), "pthread_mutex_lock");
-    return next(mutex);
-}
-
-int pthread_cond_wait(pthread_cond_t *condition, pthread_mutex_t *mutex)
-{
-    static int (*next)(pthread_cond_t *, pthread_mutex_t *);
-    count(9);
-    next = next ? next : NEXT(int (*)(pthread_cond_t *, pthread_mutex_t *), "pthread_cond_wait");
-    return next(condition, mutex);
-}
-
-int pthread_cond_signal(pthread_cond_t *condition)
-{
-    static int (*next)(pthread_cond_t *);
-    count(10);
-    next = next ? next : NEXT(int (*)(pthread_cond_t *), "pthread_cond_signal");
-    return next(condition);
-}
-
-int pthread_cond_broadcast(pthread_cond_t *condition)
-{
-    static int (*next)(pthread_cond_t *);
-    count(23);
-    next = next ? next : NEXT(int (*)(pthread_cond_t *), "pthread_cond_broadcast");
-    return next(condition);
-}
+/* A function of the library, counted and handed on. */
+#define COUNTED(number, result, name, parameters, arguments)                                       \
+    result name parameters                                                                         \
+    {                                                                                              \
+        static result(*next) parameters;                                                           \
+        count(number);                                                                             \
+        next = next ? next : NEXT(result(*) parameters, #name);                                    \
+        return next arguments;                                                                     \
+    }
+COUNTED(6, void *, mmap, (void *at, size_t size, int protection, int flags, int fd, off_t offset),
+        (at, size, protection, flags, fd, offset))
+COUNTED(7, int, munmap, (void *at, size_t size), (at, size))
+COUNTED(8, int, pthread_mutex_lock, (pthread_mutex_t * mutex), (mutex))
+COUNTED(9, int, pthread_cond_wait, (pthread_cond_t * condition, pthread_mutex_t *mutex),
+        (condition, mutex))
+COUNTED(10, int, pthread_cond_signal, (pthread_cond_t * condition), (condition))
+COUNTED(23, int, pthread_cond_broadcast, (pthread_cond_t * condition), (condition))
 
 ssize_t write(int fd, const void *data, size_t size)
 {
@@ -165,37 +134,13 @@ int clock_nanosleep(clockid_t clock, int flags, const struct timespec *until, st
     return next(clock, flags, until, left);
 }
 
-ssize_t send(int fd, const void *data, size_t size, int flags)
-{
-    static ssize_t (*next)(int, const void *, size_t, int);
-    count(13);
-    next = next ? next : NEXT(ssize_t(*)(int, const void *, size_t, int), "send");
-    return next(fd, data, size, flags);
-}
-
-ssize_t sendmsg(int fd, const struct msghdr *message, int flags)
-{
-    static ssize_t (*next)(int, const struct msghdr *, int);
-    count(15);
-    next = next ? next : NEXT(ssize_t(*)(int, const struct msghdr *, int), "sendmsg");
-    return next(fd, message, flags);
-}
-
-FILE *fopen(const char *path, const char *mode)
-{
-    static FILE *(*next)(const char *, const char *);
-    count(17);
-    next = next ? next : NEXT(FILE * (*)(const char *, const char *), "fopen");
-    return next(path, mode);
-}
-
-int vfprintf(FILE *file, const char *format, va_list arguments)
-{
-    static int (*next)(FILE *, const char *, va_list);
-    count(22);
-    next = next ? next : NEXT(int (*)(FILE *, const char *, va_list), "vfprintf");
-    return next(file, format, arguments);
-}
+COUNTED(13, ssize_t, send, (int fd, const void *data, size_t size, int flags),
+        (fd, data, size, flags))
+COUNTED(15, ssize_t, sendmsg, (int fd, const struct msghdr *message, int flags),
+        (fd, message, flags))
+COUNTED(17, FILE *, fopen, (const char *path, const char *mode), (path, mode))
+COUNTED(22, int, vfprintf, (FILE * file, const char *format, va_list arguments),
+        (file, format, arguments))
 
 int fprintf(FILE *file, const char *format, ...)
 {

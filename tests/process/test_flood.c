@@ -120,6 +120,18 @@ static void listen_open(listener *l)
     assert_int_equal(softsim_client_open(&config, &l->client, &error), SOFTSIM_OK);
 }
 
+static void listen_to_daemon(listener *l)
+{
+    start_daemon(tube(), NULL);
+    listen_open(l);
+}
+
+static void listen_close(listener *l)
+{
+    softsim_client_close(&l->client);
+    assert_int_equal(stop_daemon(), 0);
+}
+
 /* A status that was made after the call: one machine, one monotonic clock. Fails after a minute. */
 static const softsim_server_status *listen_next(listener *l)
 {
@@ -166,14 +178,19 @@ static void stop_bridge(void)
     assert_null(strstr(client.err, "another sender holds"));
 }
 
+static void flood_beside_bridge(listener *l, const char *kind, const char *rate,
+                                const char *seconds)
+{
+    listen_to_daemon(l);
+    start_bridge(l);
+    start_flood(kind, rate, seconds);
+    assert_int_equal(process_finish(&flooder), 0);
+}
+
 TEST_WITH(the_holder_is_answered_under_all_kinds_at_once, make_folder, end_all)
 {
     listener l;
-    start_daemon(tube(), NULL);
-    listen_open(&l);
-    start_bridge(&l);
-    start_flood("mixed", "10000", "2");
-    assert_int_equal(process_finish(&flooder), 0);
+    flood_beside_bridge(&l, "mixed", "10000", "2");
     listen_accepted(&l, 200);
     const int64_t *refused = l.status.poses_refused;
     assert_true(refused[SOFTSIM_REFUSED_MALFORMED] > 0);
@@ -185,8 +202,7 @@ TEST_WITH(the_holder_is_answered_under_all_kinds_at_once, make_folder, end_all)
     assert_int_equal(l.status.probe_forces[0] + l.status.probe_missed[0],
                      l.status.probe_periods[0]);
     stop_bridge();
-    softsim_client_close(&l.client);
-    assert_int_equal(stop_daemon(), 0);
+    listen_close(&l);
 }
 
 /* Every force tells the holder's number to all; poses far ahead of it under that number from
@@ -194,17 +210,12 @@ TEST_WITH(the_holder_is_answered_under_all_kinds_at_once, make_folder, end_all)
 TEST_WITH(poses_under_the_holders_number_change_nothing, make_folder, end_all)
 {
     listener l;
-    start_daemon(tube(), NULL);
-    listen_open(&l);
-    start_bridge(&l);
-    start_flood("pose-holder", "1000", "1");
-    assert_int_equal(process_finish(&flooder), 0);
+    flood_beside_bridge(&l, "pose-holder", "1000", "1");
     assert_true(listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER_SENDER] > 0);
     assert_int_equal(l.status.poses_refused[SOFTSIM_REFUSED_OTHER], 0);
     listen_accepted(&l, 200);
     stop_bridge();
-    softsim_client_close(&l.client);
-    assert_int_equal(stop_daemon(), 0);
+    listen_close(&l);
 }
 
 /* What is beyond the budget is not answered, and what comes after is. */
@@ -212,16 +223,14 @@ TEST_WITH(commands_have_a_budget, make_folder, end_all)
 {
     const char *const monitor[] = {"softsim-monitor", "--command", "status", NULL};
     listener l;
-    start_daemon(tube(), NULL);
-    listen_open(&l);
+    listen_to_daemon(&l);
     start_flood("command-status", "2000", "1");
     assert_int_equal(process_finish(&flooder), 0);
     assert_true(listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER] > 0);
     listen_next(&l);
     listen_next(&l); /* half a second later the budget has something again */
     expect_run(monitor);
-    softsim_client_close(&l.client);
-    assert_int_equal(stop_daemon(), 0);
+    listen_close(&l);
 }
 
 /* Each says less than one may, and all together more than all may: a request or command of somebody
@@ -237,8 +246,7 @@ TEST_WITH(slow_floods_of_many_keep_no_newcomer_out, make_folder, end_all)
     const char *const resume[] = {"softsim-monitor", "--command", "resume", NULL};
     for (size_t f = 0; f < sizeof floods / sizeof *floods; ++f) {
         listener l;
-        start_daemon(tube(), NULL);
-        listen_open(&l);
+        listen_to_daemon(&l);
         start_flood_from(floods[f][1], floods[f][0], "1200", "600");
         /* All who flood are known by then. */
         const int64_t *refused = &l.status.poses_refused[SOFTSIM_REFUSED_OTHER];
@@ -250,8 +258,7 @@ TEST_WITH(slow_floods_of_many_keep_no_newcomer_out, make_folder, end_all)
         }
         process_signal(&flooder, SIGKILL); /* it was there until now */
         assert_int_equal(process_finish(&flooder), 128 + SIGKILL);
-        softsim_client_close(&l.client);
-        assert_int_equal(stop_daemon(), 0);
+        listen_close(&l);
     }
 }
 
@@ -260,16 +267,14 @@ TEST_WITH(slow_floods_of_many_keep_no_newcomer_out, make_folder, end_all)
 TEST_WITH(requests_of_many_are_answered_by_few_statuses, make_folder, end_all)
 {
     listener l;
-    start_daemon(tube(), NULL);
-    listen_open(&l);
+    listen_to_daemon(&l);
     listen_next(&l);
     start_flood_from("8", "command-status", "4000", "1");
     assert_int_equal(process_finish(&flooder), 0);
     assert_true(listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER] > 0);
     assert_true(l.densest_us < 250000); /* asked, it answers sooner than it would speak */
     assert_true(l.densest_us >= 50000); /* and twenty times a second at most */
-    softsim_client_close(&l.client);
-    assert_int_equal(stop_daemon(), 0);
+    listen_close(&l);
 }
 
 /* The holder's commands, one after the other, under a flood of `kind`. */
@@ -307,8 +312,7 @@ static void expect_no_command_lost_under(const char *scene, const char *sockets,
     }
     process_signal(&flooder, SIGKILL); /* it was there until now */
     assert_int_equal(process_finish(&flooder), 128 + SIGKILL);
-    softsim_client_close(&l.client);
-    assert_int_equal(stop_daemon(), 0);
+    listen_close(&l);
 }
 
 static void expect_no_command_lost(const char *kind)

@@ -31,11 +31,8 @@ static process server, client;
 
 static int tear_down(void **state)
 {
-    process *all[] = {&client, &server};
-    for (int i = 0; i < 2; ++i) {
-        process_signal(all[i], SIGKILL);
-        process_finish(all[i]);
-    }
+    process_kill(&client);
+    process_kill(&server);
     return 0;
 }
 

@@ -367,11 +367,7 @@ TEST(a_kidney_is_filled_and_its_surface_keeps_its_numbers)
                      SOFTSIM_OK);
     assert_true(volume->tetrahedron_count > 3000);
     assert_int_equal(volume->triangle_count, surface->triangle_count);
-    for (int32_t i = 0; i < surface->node_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            assert_near(volume->position[i][k], surface->position[i][k], 1e-9);
-        }
-    }
+    assert_nodes_near(volume, surface, 1e-9);
     ss_mesh_destroy(&surface);
     ss_mesh_destroy(&volume);
 }

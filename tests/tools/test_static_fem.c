@@ -68,12 +68,13 @@ static const ss_mesh_group *group_of(const body *b, const char *name)
     return NULL;
 }
 
-static void hold_group(body *b, const char *name, uint8_t axes)
+static const ss_mesh_group *hold_group(body *b, const char *name, uint8_t axes)
 {
     const ss_mesh_group *group = group_of(b, name);
     for (int32_t k = 0; k < group->node_count; ++k) {
         b->held[group->node[k]] |= axes;
     }
+    return group;
 }
 
 static void solve(body *b)
@@ -197,8 +198,7 @@ static void slab_at(ss_tissue_kind kind, double depth, const char *csv, const ch
     body b;
     body_init(&b, "c_slab/mesh_300.msh", kind, 1e4, 0.45);
     hold_group(&b, "fixed", 7);
-    hold_group(&b, "patch", 7);
-    const ss_mesh_group *patch = group_of(&b, "patch");
+    const ss_mesh_group *patch = hold_group(&b, "patch", 7);
     for (int32_t k = 0; k < patch->node_count; ++k) {
         const double *x = b.mesh->position[patch->node[k]];
         b.prescribed[patch->node[k]][2] =
@@ -354,8 +354,7 @@ TEST(linear_call_is_the_linear_law)
     body b;
     body_init(&b, "a_uniaxial/mesh_125.msh", SS_TISSUE_LINEAR, 2e3, 0.4);
     hold_group(&b, "x0", 7);
-    hold_group(&b, "x1", 7);
-    const ss_mesh_group *end = group_of(&b, "x1");
+    const ss_mesh_group *end = hold_group(&b, "x1", 7);
     for (int32_t i = 0; i < end->node_count; ++i) {
         b.prescribed[end->node[i]][2] = 0.01;
     }

@@ -23,52 +23,32 @@ typedef struct body {
     double depth;          /* m, of the press */
 } body;
 
-#define ON_BLOCK                                                                                   \
-    {0, 0, 0.028}, {0, 0, -1},                                                                     \
+/* Where a tool touches, the way in, and the way along. */
+#define AT(x, y, z, a, b, c, d, e, f)                                                              \
+    {x, y, z}, {a, b, c},                                                                          \
     {                                                                                              \
-        1, 0, 0                                                                                    \
+        d, e, f                                                                                    \
     }
+#define ON_BLOCK     AT(0, 0, 0.028, 0, 0, -1, 1, 0, 0)
+#define ON_KIDNEY    AT(0, 0.006, 0.0273, 0, 0, -1, 1, 0, 0)
+#define ON_VENTRICLE AT(0.040, 0, -0.01, -1, 0, 0, 0, 1, 0)
+#define ON_LIVER     AT(-0.035, 0, 0.050, 0, 0, -1, 1, 0, 0)
+#define ON_HM1       AT(0.0385, 0, -0.005, -1, 0, 0, 0, 1, 0)
 #define ELASTIC                                                                                    \
     "  youngs_modulus_pa: 60000\n  poisson_ratio: 0.4\n  density_kg_m3: 1060\n"                    \
     "  mass_damping_per_s: 30\n"
 
 static const body bodies[] = {
-    {"kidney", "kidney.yaml", NULL, NULL, {0, 0.006, 0.0273}, {0, 0, -1}, {1, 0, 0}, 0.020},
-    {"hard kidney",
-     "kidney.yaml",
-     NULL,
-     "model.rest_stiffness_n_per_m3=200000",
-     {0, 0.006, 0.0273},
-     {0, 0, -1},
-     {1, 0, 0},
-     0.020},
-    {"ventricle", "ventricle.yaml", NULL, NULL, {0.040, 0, -0.01}, {-1, 0, 0}, {0, 1, 0}, 0.016},
-    {"hard ventricle",
-     "ventricle.yaml",
-     NULL,
-     "model.youngs_modulus_pa=200000",
-     {0.040, 0, -0.01},
-     {-1, 0, 0},
-     {0, 1, 0},
+    {"kidney", "kidney.yaml", NULL, NULL, ON_KIDNEY, 0.020},
+    {"hard kidney", "kidney.yaml", NULL, "model.rest_stiffness_n_per_m3=200000", ON_KIDNEY, 0.020},
+    {"ventricle", "ventricle.yaml", NULL, NULL, ON_VENTRICLE, 0.016},
+    {"hard ventricle", "ventricle.yaml", NULL, "model.youngs_modulus_pa=200000", ON_VENTRICLE,
      0.030},
-    {"liver", "liver-chainmail.yaml", NULL, NULL, {-0.035, 0, 0.050}, {0, 0, -1}, {1, 0, 0}, 0.020},
-    {"hard liver",
-     "liver-chainmail.yaml",
-     NULL,
-     "model.link_stiffness_n_per_m=900",
-     {-0.035, 0, 0.050},
-     {0, 0, -1},
-     {1, 0, 0},
+    {"liver", "liver-chainmail.yaml", NULL, NULL, ON_LIVER, 0.020},
+    {"hard liver", "liver-chainmail.yaml", NULL, "model.link_stiffness_n_per_m=900", ON_LIVER,
      0.024},
-    {"hm1", "hm1-tissue.yaml", NULL, NULL, {0.0385, 0, -0.005}, {-1, 0, 0}, {0, 1, 0}, 0.016},
-    {"hard hm1",
-     "hm1-tissue.yaml",
-     NULL,
-     "model.youngs_modulus_pa=200000",
-     {0.0385, 0, -0.005},
-     {-1, 0, 0},
-     {0, 1, 0},
-     0.014},
+    {"hm1", "hm1-tissue.yaml", NULL, NULL, ON_HM1, 0.016},
+    {"hard hm1", "hm1-tissue.yaml", NULL, "model.youngs_modulus_pa=200000", ON_HM1, 0.014},
     {"xpbd", NULL, "  name: xpbd\n" ELASTIC, NULL, ON_BLOCK, 0.012},
     {"hard xpbd", NULL, "  name: xpbd\n" ELASTIC, "model.youngs_modulus_pa=300000", ON_BLOCK,
      0.024},

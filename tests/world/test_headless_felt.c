@@ -43,26 +43,17 @@ typedef struct place {
         -0.04, 0.06, 0.005, 0.03                                                                   \
     }
 
+#define AT_HILUM                                                                                   \
+    {0.02245, -0.02049, -0.01326}, {0.1677, 0.7326, 0.6597},                                       \
+    {                                                                                              \
+        0.0, -0.017, 0.0, 0.015                                                                    \
+    }
+
 static const place places[] = {
     {"liver's edge", LIVER, "sphere: {radius_mm: 8}", AT_EDGE, 0.008, 0.020, 0.3},
     {"liver's edge, deeper", LIVER, "sphere: {radius_mm: 8}", AT_EDGE, 0.008, 0.025, 0.3},
-    {"kidney",
-     HILUM,
-     "sphere: {radius_mm: 5}",
-     {0.02245, -0.02049, -0.01326},
-     {0.1677, 0.7326, 0.6597},
-     {0.0, -0.017, 0.0, 0.015},
-     0.005,
-     0.015,
-     0.1},
-    {"kidney, a capsule",
-     HILUM,
-     "capsule: {radius_mm: 5, length_mm: 20}",
-     {0.02245, -0.02049, -0.01326},
-     {0.1677, 0.7326, 0.6597},
-     {0.0, -0.017, 0.0, 0.015},
-     0.005,
-     0.010,
+    {"kidney", HILUM, "sphere: {radius_mm: 5}", AT_HILUM, 0.005, 0.015, 0.1},
+    {"kidney, a capsule", HILUM, "capsule: {radius_mm: 5, length_mm: 20}", AT_HILUM, 0.005, 0.010,
      0.1},
 };
 enum { PLACES = sizeof places / sizeof *places };

@@ -247,6 +247,17 @@ TEST(saturation_never_reached_changes_nothing)
     }
 }
 
+/* How far the node has moved after `count` steps, and before the last. */
+static double settle(setup *s, int count, int32_t node, double *out_before)
+{
+    create(s);
+    const double h = 0.999 * ss_chain_stable_step(s->model);
+    steps(s, count - 1, h);
+    *out_before = moved(s, node, 2);
+    steps(s, 1, h);
+    return moved(s, node, 2);
+}
+
 /* Beyond its saturation a cell is drawn back by 1/R alone, however far the coarse level reaches. */
 TEST(saturated_cells_are_calm_with_two_levels)
 {
@@ -260,13 +271,7 @@ TEST(saturated_cells_are_calm_with_two_levels)
         s.load[s.plan.load_count++] = (ss_load){
             .node = node, .node_count = PATCH, .force = {0.0, 0.0, 60.0}, .to = (double)INFINITY};
         give(&s, "saturation_sizes", 0.02);
-        create(&s);
-        const double h = 0.999 * ss_chain_stable_step(s.model);
-        for (int n = 0; n < 4000; ++n) {
-            before = moved(&s, node[4], 2);
-            steps(&s, 1, h);
-        }
-        middle[which] = moved(&s, node[4], 2);
+        middle[which] = settle(&s, 4000, node[4], &before);
         assert_near(middle[which], before, 1e-4 * before); /* settled */
         assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GUARDED);
         setup_fini(&s);
@@ -292,13 +297,7 @@ TEST(leak_balances_a_load_on_every_level)
         if (which == 2) {
             give(&s, "cells", 200.0);
         }
-        create(&s);
-        const double h = 0.999 * ss_chain_stable_step(s.model);
-        for (int n = 0; n < 3000; ++n) {
-            before = moved(&s, node[4], 2);
-            steps(&s, 1, h);
-        }
-        middle[which] = moved(&s, node[4], 2);
+        middle[which] = settle(&s, 3000, node[4], &before);
         assert_near(middle[which], before, 1e-5 * before);
         setup_fini(&s);
     }

@@ -35,6 +35,12 @@ static void felt_init(felt *f, double alpha)
     f->tool[0].from = f->tool[0].to;
 }
 
+static void felt_create(felt *f, double alpha)
+{
+    felt_init(f, alpha);
+    create(&f->s);
+}
+
 /* To (x, z above touching), in `count` steps of 1 ms. */
 static void go(felt *f, double x, double z, int count)
 {
@@ -62,8 +68,7 @@ static ss_contact_set feel(felt *f)
 TEST(near_contact_is_told_before_touching)
 {
     felt f;
-    felt_init(&f, 0.0);
-    create(&f.s);
+    felt_create(&f, 0.0);
     go(&f, 0.0, 0.001, 2);
     const ss_contact_set set = feel(&f);
     assert_int_equal(set.count, 1);
@@ -100,8 +105,7 @@ TEST(held_cells_lie_on_the_tool)
 TEST(nothing_holds_a_tool_back)
 {
     felt f;
-    felt_init(&f, 0.02);
-    create(&f.s);
+    felt_create(&f, 0.02);
     go(&f, 0.0, -0.006, 60);
     for (int k = 0; k < 80; ++k) { /* up, and out */
         go(&f, 0.0, -0.006 + 0.0001 * (k + 1), 1);
@@ -116,8 +120,7 @@ TEST(force_is_smooth_as_the_tool_slides)
 {
     SKIP_WHERE_REPEATED();
     felt f;
-    felt_init(&f, 0.01);
-    create(&f.s);
+    felt_create(&f, 0.01);
     go(&f, -0.015, -0.005, 100);
     go(&f, -0.015, -0.005, 300);
     double last = feel(&f).force[2], most = 0.0, low = last, high = last;
@@ -163,8 +166,7 @@ TEST(told_stiffness_errs_high)
 TEST(grasp_pulls_and_lets_go)
 {
     felt f;
-    felt_init(&f, 0.0);
-    create(&f.s);
+    felt_create(&f, 0.0);
     go(&f, 0.0, -0.004, 100);
     go(&f, 0.0, -0.004, 400);
     const double pressed = feel(&f).force[2];
@@ -217,8 +219,7 @@ TEST(books_balance_under_a_tool)
 TEST(teleport_ends_well)
 {
     felt f;
-    felt_init(&f, 0.02);
-    create(&f.s);
+    felt_create(&f, 0.02);
     const double reach[4] = {-0.02, 3.0, -0.05, 100.0};
     for (int k = 0; k < 4; ++k) {
         go(&f, 0.0, reach[k], 1); /* swept through the body in one step */

@@ -22,6 +22,12 @@ static void setup_plane(setup *s, double alpha, double lift, double ramp)
     prescribe(s, 1, middle, middle_way, ramp);
 }
 
+static void create_plane(setup *s, double alpha, double lift, double ramp)
+{
+    setup_plane(s, alpha, lift, ramp);
+    create(s);
+}
+
 static double held_force(const setup *s)
 {
     double force[3];
@@ -48,8 +54,7 @@ TEST(held_force_fades_below_the_threshold)
 TEST(held_force_relaxes_to_a_minimum_above_it)
 {
     setup s;
-    setup_plane(&s, 0.02, 5.0, 5.0);
-    create(&s);
+    create_plane(&s, 0.02, 5.0, 5.0);
     steps(&s, 500, 0.01);
     double last = held_force(&s);
     assert_near(last, 9.3, 0.15);
@@ -82,8 +87,7 @@ static double chord_deviation(const setup *s)
 TEST(shape_is_no_pyramid)
 {
     setup s;
-    setup_plane(&s, 0.02, 5.0, 20.0);
-    create(&s);
+    create_plane(&s, 0.02, 5.0, 20.0);
     steps(&s, 200, 0.1);
     assert_true(chord_deviation(&s) > 0.5); /* while it spreads */
     steps(&s, 10000, 0.4);
@@ -265,8 +269,7 @@ TEST(load_is_carried_by_the_supports)
 TEST(what_moves_a_cell_is_work)
 {
     setup s;
-    setup_plane(&s, 0.02, 4.0, 8.0);
-    create(&s);
+    create_plane(&s, 0.02, 4.0, 8.0);
     double by_force = 0.0, last = 0.0, dissipated = 0.0;
     for (int n = 0; n < 800; ++n) {
         steps(&s, 1, 0.01);
@@ -376,8 +379,7 @@ TEST(nothing_not_finite_is_published)
     for (int front = 0; front < 2; ++front) {
         double force[3];
         setup s;
-        setup_plane(&s, 0.02, 4.0, 4.0);
-        create(&s);
+        create_plane(&s, 0.02, 4.0, 4.0);
         steps(&s, 40, 0.05);
         assert_int_equal(s.model->is_all_awake, false);
         s.model->is_all_awake = front == 0;
@@ -399,8 +401,7 @@ TEST(nothing_not_finite_is_published)
 TEST(energy_from_nowhere_is_in_the_energy_balance)
 {
     setup s;
-    setup_plane(&s, 0.0, 4.0, 4.0);
-    create(&s);
+    create_plane(&s, 0.0, 4.0, 4.0);
     steps(&s, 200, 0.05);
     assert_int_equal(info_of(&s).verdict, SOFTSIM_VERDICT_GOOD);
     s.model->rate *= 0.02; /* fifty times what is stable */
@@ -421,8 +422,7 @@ TEST(energy_from_nowhere_is_in_the_energy_balance)
 TEST(energy_that_creeps_in_is_found)
 {
     setup s;
-    setup_plane(&s, 0.0, 4.0, 4.0);
-    create(&s);
+    create_plane(&s, 0.0, 4.0, 4.0);
     steps(&s, 4000, 0.4);
     bool is_said = false;
     for (int n = 0; n < 100; ++n) {

@@ -244,8 +244,7 @@ TEST(the_stiffness_told_is_the_tangent_and_errs_high)
         const double radius = kind < 2 ? PLATE_EDGE : 3.0 * PLATE_EDGE;
         setup s;
         ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-        setup_plate(&s, 1, radius, kind % 2 == 0 ? 0.0 : 0.5);
-        create(&s);
+        create_plate(&s, 1, radius, kind % 2 == 0 ? 0.0 : 0.5);
         press(&s, tool, 1, 0.001, radius, 0.003);
         check_told(&s, tool);
         setup_fini(&s);
@@ -257,8 +256,7 @@ TEST(the_stiffness_told_counts_the_grasp)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&s, 1, PLATE_EDGE, 0.2);
-    create(&s);
+    create_plate(&s, 1, PLATE_EDGE, 0.2);
     press(&s, tool, 1, 0.001, PLATE_EDGE, 0.003);
     tool[0].is_grasping = true;
     settle(&s, 1e-3, tool, 200);
@@ -297,8 +295,7 @@ TEST(contacts_tell_of_nearness_before_they_touch)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&s, 1, PLATE_EDGE, 0.2);
-    create(&s);
+    create_plate(&s, 1, PLATE_EDGE, 0.2);
     ss_contact_set set;
     s.class->contacts(s.model, 0, 0.005, &set); /* no tool yet */
     assert_int_equal(set.count, 0);
@@ -333,8 +330,7 @@ TEST(a_fast_tool_is_sub_stepped_and_does_not_tunnel)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&s, 1, PLATE_EDGE, 0.2);
-    create(&s);
+    create_plate(&s, 1, PLATE_EDGE, 0.2);
     go(tool, 0.0, 0.0007, PLATE_EDGE + 0.004);
     step_tools(&s, 1e-3, tool);
     go(tool, 0.0, 0.0007, PLATE_EDGE - 0.003); /* 7 mm in 1 ms */
@@ -353,8 +349,7 @@ TEST(a_tool_that_leaves_or_jumps_keeps_the_energy_balance)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&s, 1, PLATE_EDGE, 0.2);
-    create(&s);
+    create_plate(&s, 1, PLATE_EDGE, 0.2);
     press(&s, tool, 1, 0.0, PLATE_EDGE, 0.003);
     const double stored = info_of(&s).elastic;
     tool[0].to.position[0] = tool[0].from.position[0] = 0.01; /* a jump, no sweep */
@@ -478,9 +473,7 @@ TEST(too_many_columns_are_refused_by_name)
     setup_init(&s, "cnn-energy", make_plate(80, 0.2));
     give_skin(&s);
     add_sphere(&s, 0, 0.005);
-    assert_int_equal(setup_create(&s), SOFTSIM_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(s.error.text, "256 MB"));
-    setup_fini(&s);
+    expect_refusal(&s, SOFTSIM_ERROR_UNSUPPORTED, "256 MB");
 }
 
 int main(void)

@@ -24,6 +24,15 @@ static void setup_relaxed(setup *s, double steps_a_substep)
     give(s, "relaxation_steps", steps_a_substep);
 }
 
+/* A cylinder that relaxes by so many steps, pushed at one node. */
+static void setup_pushed(setup *s, int32_t *node, double relaxation_steps)
+{
+    setup_cylinder(s, 2.0);
+    give(s, "solver", 1.0);
+    give(s, "relaxation_steps", relaxation_steps);
+    push(s, node, 0.0, -0.5, 0.0);
+}
+
 TEST(states_follow_the_literal_network_for_any_resistance)
 {
     for (int trial = 0; trial < 2; ++trial) {
@@ -343,10 +352,7 @@ TEST(the_networks_work_is_what_its_flux_brings_and_no_more)
 {
     setup s;
     int32_t top = TOP;
-    setup_cylinder(&s, 2.0);
-    give(&s, "solver", 1.0);
-    give(&s, "relaxation_steps", 2.0);
-    push(&s, &top, 0.0, -0.5, 0.0);
+    setup_pushed(&s, &top, 2.0);
     s.load[0].to = 40.0;
     create(&s);
     const int32_t n = s.mesh->node_count;
@@ -381,10 +387,7 @@ TEST(a_release_gives_back_everything)
     SKIP_WHERE_REPEATED();
     setup s;
     int32_t top = TOP;
-    setup_cylinder(&s, 2.0);
-    give(&s, "solver", 1.0);
-    give(&s, "relaxation_steps", 3.0);
-    push(&s, &top, 0.0, -0.5, 0.0);
+    setup_pushed(&s, &top, 3.0);
     s.load[0].to = 10.0; /* while the network still spreads */
     create(&s);
     steps(&s, 100, 0.1);

@@ -324,8 +324,7 @@ TEST(second_tools_add_their_own_potential)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&s, 2, PLATE_EDGE, 0.0);
-    create(&s);
+    create_plate(&s, 2, PLATE_EDGE, 0.0);
     press(&s, tool, 1, 0.0, PLATE_EDGE, 0.006);
     const double alone = s.model->tools.tool[0].force[2];
     for (int n = 0; n <= 40; ++n) { /* a light touch far away */
@@ -338,8 +337,7 @@ TEST(second_tools_add_their_own_potential)
     setup_fini(&s);
 
     memset(tool, 0, sizeof tool);
-    setup_plate(&s, 2, PLATE_EDGE, 0.0);
-    create(&s);
+    create_plate(&s, 2, PLATE_EDGE, 0.0);
     press(&s, tool, 2, 0.0, PLATE_EDGE, 0.006); /* both in the same place */
     const double both = s.model->tools.tool[0].force[2] + s.model->tools.tool[1].force[2];
     assert_near(both / alone, 1.08, 0.015);
@@ -354,8 +352,7 @@ TEST(strained_tissue_holds_no_tool_off)
     const double radius = 2.0 * PLATE_EDGE;
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    setup_plate(&s, 2, radius, 1.0);
-    create(&s);
+    create_plate(&s, 2, radius, 1.0);
     press(&s, tool, 1, -0.008, radius, 0.008);
     const ss_cnn_tool *second = &s.model->tool[1];
     for (int n = 0; n <= 200; ++n) {

@@ -49,6 +49,12 @@ static inline void setup_plate(setup *s, int tools, double radius, double preten
     s->plan.contact_stiffness = 5e7;
 }
 
+static inline void create_plate(setup *s, int tools, double radius, double pretension)
+{
+    setup_plate(s, tools, radius, pretension);
+    create(s);
+}
+
 /* Presses `probes` spheres in by `depth`, all in the same place, and lets the plate settle. */
 static inline void press(setup *s, ss_model_tool *tool, int probes, double x, double radius,
                          double depth)

@@ -169,12 +169,7 @@ TEST(supports_answer_what_loads_push)
     b.s.plan.load_count = 1;
     b.s.load[0] = (ss_load){
         .node = pushed, .node_count = 2, .force = {0.02, 0.0, -0.01}, .to = (double)INFINITY};
-    b.s.plan.prescribed_count = 1;
-    b.s.prescribed[0] = (ss_prescribed){.node = held,
-                                        .node_count = 3,
-                                        .displacement = way,
-                                        .axis = {true, true, true},
-                                        .ramp = 0.1};
+    prescribe(&b.s, 3, held, way, 0.1);
     bench_make(&b);
     run(&b, 2000, 1e-3, NULL);
     const double weight = 2.0 * 0.216 / 64.0;
@@ -202,12 +197,7 @@ TEST(prescribed_nodes_go_at_constant_velocity_and_pay)
     double way[1][3] = {{5e-3, NAN, NAN}};
     bench b;
     bench_init(&b);
-    b.s.plan.prescribed_count = 1;
-    b.s.prescribed[0] = (ss_prescribed){.node = held,
-                                        .node_count = 1,
-                                        .displacement = way,
-                                        .axis = {true, true, true},
-                                        .ramp = 0.05};
+    prescribe(&b.s, 1, held, way, 0.05);
     bench_make(&b);
     const double mass = 0.216 / 64.0;
     run(&b, 20, 1e-3, NULL);

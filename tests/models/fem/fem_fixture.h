@@ -31,6 +31,14 @@ static inline void setup_fem(setup *s, ss_mesh *mesh)
     give_row(s, SS_FEM_POISSON_RATIO, 0.3);
 }
 
+static inline void setup_block(setup *s, const int cells[3], const double size[3], double jitter)
+{
+    block_size block = {.jitter = jitter};
+    memcpy(block.cells, cells, sizeof block.cells);
+    memcpy(block.size, size, sizeof block.size);
+    setup_fem(s, make_block(&block));
+}
+
 /* Fixes the nodes with a coordinate at its least. */
 static inline void fix_low(setup *s, int axis)
 {

@@ -377,8 +377,7 @@ TEST(momentum_and_energy_last)
 TEST(elements_have_their_own_material)
 {
     setup s;
-    const block_size size = {.cells = {2, 1, 1}, .size = {0.02, 0.01, 0.01}, .jitter = 0.0};
-    setup_fem(&s, make_block(&size));
+    setup_block(&s, (const int[3]){2, 1, 1}, (const double[3]){0.02, 0.01, 0.01}, 0.0);
     const int32_t n = s.mesh->node_count;
     double *young = calloc((size_t)n, sizeof *young);
     int32_t pulled[4], count = 0;
@@ -421,8 +420,7 @@ TEST(elements_have_their_own_material)
 TEST(viscosity_creeps_in_its_own_time)
 {
     setup s;
-    const block_size size = {.cells = {1, 1, 2}, .size = {0.01, 0.01, 0.02}, .jitter = 0.0};
-    setup_fem(&s, make_block(&size));
+    setup_block(&s, (const int[3]){1, 1, 2}, (const double[3]){0.01, 0.01, 0.02}, 0.0);
     give_row(&s, SS_FEM_POISSON_RATIO, 0.0);
     give_row(&s, SS_FEM_DENSITY, 50.0);
     give_row(&s, SS_FEM_STIFFNESS_DAMPING, 0.02);

@@ -125,8 +125,7 @@ TEST(stable_below_and_unstable_above)
     static const double damping[3] = {0.0, 2e-4, 5e-3};
     for (int k = 0; k < 6; ++k) {
         setup s;
-        const block_size size = {.cells = {3, 2, 2}, .size = {0.03, 0.02, 0.02}, .jitter = 0.2};
-        setup_fem(&s, make_block(&size));
+        setup_block(&s, (const int[3]){3, 2, 2}, (const double[3]){0.03, 0.02, 0.02}, 0.2);
         give_row(&s, SS_FEM_MATERIAL, SS_TISSUE_LINEAR);
         give_row(&s, SS_FEM_STIFFNESS_DAMPING, damping[k % 3]);
         give_row(&s, SS_FEM_INTEGRATOR, k / 3);
@@ -144,8 +143,7 @@ TEST(stable_below_and_unstable_above)
 TEST(mass_damping_bounds_runge_kutta)
 {
     setup s;
-    const block_size size = {.cells = {3, 2, 2}, .size = {0.03, 0.02, 0.02}, .jitter = 0.2};
-    setup_fem(&s, make_block(&size));
+    setup_block(&s, (const int[3]){3, 2, 2}, (const double[3]){0.03, 0.02, 0.02}, 0.2);
     give_row(&s, SS_FEM_YOUNGS_MODULUS, 1e3);
     give_row(&s, SS_FEM_INTEGRATOR, 1.0);
     give_row(&s, SS_FEM_MASS_DAMPING, 2e4);
@@ -168,8 +166,7 @@ TEST(step_follows_the_stretch)
     for (int kind = 0; kind < SS_TISSUE_LINEAR; ++kind) {
         for (int k = 0; k < 4; ++k) {
             setup s;
-            const block_size size = {.cells = {3, 3, 3}, .size = {0.03, 0.03, 0.03}, .jitter = 0.2};
-            setup_fem(&s, make_block(&size));
+            setup_block(&s, (const int[3]){3, 3, 3}, (const double[3]){0.03, 0.03, 0.03}, 0.2);
             give_row(&s, SS_FEM_MATERIAL, kind);
             open_up(&s);
             const ss_model *m = s.model;
@@ -213,7 +210,7 @@ TEST(step_follows_the_stretch)
 static double tip_ratio(double ratio, int cure)
 {
     setup s;
-    const block_size size = {.cells = {10, 3, 3}, .size = {0.1, 0.03, 0.03}, .jitter = 0.0};
+    const block_size size = {.cells = {10, 3, 3}, .size = {0.1, 0.03, 0.03}};
     setup_fem(&s, make_block(&size));
     give_row(&s, SS_FEM_POISSON_RATIO, ratio);
     give_row(&s, SS_FEM_LOCKING_CURE, cure);
@@ -471,8 +468,7 @@ TEST(reset_and_repeat_give_the_same_bits)
 TEST(pressing_deeper_takes_more)
 {
     setup s;
-    const block_size size = {.cells = {8, 8, 5}, .size = {0.08, 0.08, 0.05}, .jitter = 0.0};
-    setup_fem(&s, make_block(&size));
+    setup_block(&s, (const int[3]){8, 8, 5}, (const double[3]){0.08, 0.08, 0.05}, 0.0);
     give_row(&s, SS_FEM_POISSON_RATIO, 0.45);
     give_row(&s, SS_FEM_MASS_DAMPING, 60.0);
     fix_low(&s, 2);

@@ -3,6 +3,7 @@
 /* Ten-node tetrahedra against shape functions written out, and what must hold of them anywhere. */
 #include "common/test.h"
 
+#include "oracles/quadratic_static.h"
 #include "quadratic_fixture.h"
 #include "rt/each.h"
 
@@ -40,21 +41,12 @@ static double book_gradients(const open_body *b, int32_t e, int q, double g[10][
             jac[k / 3][k % 3] += b->raised.mesh.position[b->raised.node[e][n]][k / 3] * d[n][k % 3];
         }
     }
-    double det = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            inverse[j][i] = jac[i1][j1] * jac[i2][j2] - jac[i1][j2] * jac[i2][j1];
-        }
-    }
-    for (int i = 0; i < 3; ++i) {
-        det += jac[0][i] * inverse[i][0];
-    }
+    const double det = oracle_invert((const double(*)[3])jac, inverse);
     for (int n = 0; n < 10; ++n) {
         for (int j = 0; j < 3; ++j) {
             g[n][j] = 0.0;
             for (int s = 0; s < 3; ++s) {
-                g[n][j] += d[n][s] * inverse[s][j] / det;
+                g[n][j] += d[n][s] * inverse[s][j];
             }
         }
     }

@@ -3,7 +3,7 @@
 /* A ball pressed into coarse meshes and slid over their faces: the force does not jump. */
 #include "common/test.h"
 
-#include "common/setup_fixture.h"
+#include "models/fem_quadratic/reference_fixture.h"
 #include "models/tissue_law.h"
 
 #define RADIUS 0.005
@@ -11,24 +11,11 @@
 #define WAY    0.024
 enum { PRESS = 80, HOLD = 150, SLIDE = 480 }; /* ms */
 
-static ss_mesh *load_slab(const char *name)
-{
-    char path[512];
-    ss_mesh *mesh = NULL;
-    softsim_error error = {0};
-    (void)snprintf(path, sizeof path, SOURCE_DIR "/tests/reference/c_slab/%s", name);
-    if (ss_mesh_load(path, 1.0, NULL, &mesh, &error) != SOFTSIM_OK) {
-        fail_msg("%s", error.text);
-    }
-    assert_true(ss_mesh_renumber(mesh));
-    return mesh;
-}
-
 /* The largest change of the force in 1 ms, of its mean. */
 static double run(const char *model, const char *mesh, double y)
 {
     setup s;
-    setup_init(&s, model, load_slab(mesh));
+    setup_init(&s, model, load_reference(mesh));
     give(&s, "youngs_modulus_pa", 1e4);
     give(&s, "poisson_ratio", 0.45);
     give(&s, "material", SS_TISSUE_NEO_HOOKEAN);
@@ -69,9 +56,9 @@ TEST(the_force_of_a_sliding_ball_does_not_jump)
 {
     static const double side[] = {0.0, 0.003, -0.007};
     for (size_t k = 0; k < sizeof side / sizeof *side; ++k) {
-        assert_true(run("fem-quadratic", "mesh_300.msh", side[k]) <= 0.005);
+        assert_true(run("fem-quadratic", "c_slab/mesh_300.msh", side[k]) <= 0.005);
     }
-    assert_true(run("fem-quadratic", "mesh_1k.msh", side[1]) <= 0.005);
+    assert_true(run("fem-quadratic", "c_slab/mesh_1k.msh", side[1]) <= 0.005);
 }
 
 int main(void)

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "common/effort.h"
-#include "common/setup_fixture.h"
+#include "models/fem_quadratic/reference_fixture.h"
 #include "models/tissue_law.h"
 #include "oracles/quadratic_static.h"
 #include "rt/vec.h"
@@ -51,19 +51,6 @@ typedef struct problem {
     double ratio, depth; /* m */
     int levels;          /* on the oracle's way there */
 } problem;
-
-static ss_mesh *load_body(const char *name)
-{
-    char path[512];
-    ss_mesh *mesh = NULL;
-    softsim_error error = {0};
-    (void)snprintf(path, sizeof path, SOURCE_DIR "/tests/reference/%s", name);
-    if (ss_mesh_load(path, 1.0, NULL, &mesh, &error) != SOFTSIM_OK) {
-        fail_msg("%s", error.text);
-    }
-    assert_true(ss_mesh_renumber(mesh));
-    return mesh;
-}
 
 /* Pushed in by `depth` within 0.2 s, then left to settle. */
 static void settle(const problem *of, setup *s, double force[3])
@@ -134,7 +121,7 @@ static void compare(const problem *of)
     setup s;
     oracle o;
     double force[3], apart = 0.0, whole = 0.0;
-    setup_init(&s, "fem-quadratic", load_body(of->file));
+    setup_init(&s, "fem-quadratic", load_reference(of->file));
     settle(of, &s, force);
     solve(of, &o, s.mesh);
     for (int32_t i = 0; i < s.mesh->node_count; ++i) {

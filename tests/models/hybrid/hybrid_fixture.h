@@ -141,17 +141,21 @@ static inline ss_real *forces_of(ss_hybrid *hybrid, double *out_energy)
     return force;
 }
 
-static inline bool is_below(int i, int j, int k)
-{
-    (void)i;
-    (void)j;
-    return k < 2;
-}
+#define BELOW(layer)                                                                               \
+    static inline bool is_below_##layer(int i, int j, int k)                                       \
+    {                                                                                              \
+        (void)i;                                                                                   \
+        (void)j;                                                                                   \
+        return k < (layer);                                                                        \
+    }
+BELOW(1)
+BELOW(2)
+BELOW(4)
 
 /* A block of 1 x 1 x 0.8, its upper half a layer, held below, under a ball of 0.25. */
 static inline void init_block(setup *s, int32_t max_active)
 {
-    setup_hybrid(s, make_bar((const int[3]){5, 5, 4}, 0.2, (const double[3]){0}, 0.2, is_below),
+    setup_hybrid(s, make_bar((const int[3]){5, 5, 4}, 0.2, (const double[3]){0}, 0.2, is_below_2),
                  0.08);
     give_row(s, SS_HYBRID_ACTIVATE, 0.2);
     give_row(s, SS_HYBRID_MAX_ACTIVE, max_active);
@@ -161,6 +165,12 @@ static inline void init_block(setup *s, int32_t max_active)
     }
     add_sphere(s, 0, 0.25);
     s->plan.working_force = 0.5;
+}
+
+static inline ss_hybrid *start_block(setup *s, int32_t max_active)
+{
+    init_block(s, max_active);
+    return start_hybrid(s);
 }
 
 /* Moves tool 0 in `steps` to x and `depth` below where it touches the block. */

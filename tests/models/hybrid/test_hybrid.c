@@ -85,7 +85,7 @@ TEST(bar_carries_the_exact_force)
 static double growth(double share, int steps, double size, int32_t awake, double *out_momentum)
 {
     setup s;
-    setup_hybrid(&s, make_bar((const int[3]){4, 4, 4}, 0.25, origin, 0.3, is_below), 0.1);
+    setup_hybrid(&s, make_bar((const int[3]){4, 4, 4}, 0.25, origin, 0.3, is_below_2), 0.1);
     give_row(&s, SS_HYBRID_MAX_ACTIVE, awake);
     give_row(&s, SS_HYBRID_ACTIVATE, 0.3);
     give_row(&s, SS_HYBRID_COHESION, 0.0);
@@ -290,8 +290,7 @@ TEST(tool_wakes_what_it_touches)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    init_block(&s, 150);
-    ss_hybrid *hybrid = start_hybrid(&s);
+    ss_hybrid *hybrid = start_block(&s, 150);
     start_tool(tool, 0.5);
     double before = 0.0;
     for (int k = 1; k <= 6; ++k) {
@@ -387,8 +386,7 @@ TEST(contact_bounds_the_substeps)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    init_block(&s, 150);
-    ss_body *body = start_hybrid(&s)->body;
+    ss_body *body = start_block(&s, 150)->body;
     start_tool(tool, 0.5);
     for (int k = 1; k <= 6; ++k) {
         move(&s, tool, 0.5, 0.025 * k, 20);
@@ -404,20 +402,12 @@ TEST(contact_bounds_the_substeps)
     setup_fini(&s);
 }
 
-static bool is_below_four(int i, int j, int k)
-{
-    (void)i;
-    (void)j;
-    return k < 4;
-}
-
 /* However many nodes of a fine core the particles of a skin node are tied to, it rides as soon as
  * one of them is awake, by a whole row. */
 TEST(rows_have_room)
 {
     setup s;
-    setup_hybrid(&s, make_bar((const int[3]){16, 16, 10}, 0.0625, origin, 0.2, is_below_four),
-                 0.15);
+    setup_hybrid(&s, make_bar((const int[3]){16, 16, 10}, 0.0625, origin, 0.2, is_below_4), 0.15);
     give_row(&s, SS_HYBRID_MAX_ACTIVE, 1);
     ss_hybrid *hybrid = start_hybrid(&s);
     for (int32_t skin = 0; skin < hybrid->layer->skin_count; skin += 3) {
@@ -442,7 +432,7 @@ TEST(touched_skin_is_laid)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    ss_mesh *mesh = make_bar((const int[3]){30, 4, 4}, 0.2, origin, 0.0, is_below);
+    ss_mesh *mesh = make_bar((const int[3]){30, 4, 4}, 0.2, origin, 0.0, is_below_2);
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         double *x = mesh->position[i];
         x[0] = x[0] > 5.7 ? 5.6 + 10.0 * (x[0] - 5.6) : x[0];
@@ -493,8 +483,7 @@ TEST(a_fault_freezes_the_surface)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    init_block(&s, 150);
-    ss_hybrid *hybrid = start_hybrid(&s);
+    ss_hybrid *hybrid = start_block(&s, 150);
     start_tool(tool, 0.3);
     move(&s, tool, 0.3, 0.1, 30);
     const size_t size = 4 * (size_t)s.mesh->node_count * sizeof(ss_real);
@@ -533,8 +522,8 @@ TEST(what_makes_results_worse_is_told)
         if (k == 0) {
             init_block(&s, 150);
         } else {
-            setup_hybrid(
-                &s, make_bar((const int[3]){16, 16, 10}, 0.0625, origin, 0.2, is_below_four), 0.15);
+            setup_hybrid(&s, make_bar((const int[3]){16, 16, 10}, 0.0625, origin, 0.2, is_below_4),
+                         0.15);
         }
         assert_true(warns(&s, "model.layer") == (k == 1));
     }
@@ -543,16 +532,14 @@ TEST(what_makes_results_worse_is_told)
 TEST(reset_begins_anew)
 {
     setup s;
-    init_block(&s, 100);
-    (void)start_hybrid(&s);
+    (void)start_block(&s, 100);
     const uint64_t first = press_and_hash(&s);
     s.class->reset(s.model);
     assert_near(largest_displacement(&s), 0.0, 0.0);
     s.class->reset(s.model);
     const uint64_t again = press_and_hash(&s);
     setup_fini(&s);
-    init_block(&s, 100);
-    (void)start_hybrid(&s);
+    (void)start_block(&s, 100);
     assert_true(press_and_hash(&s) == first);
     setup_fini(&s);
     assert_true(first == again);
@@ -567,7 +554,7 @@ TEST(fast_nodes_keep_within_an_edge)
         setup s;
         ss_model_info info;
         const double h = is_fine_core ? 0.05 : 0.2;
-        setup_hybrid(&s, make_bar((const int[3]){6, 6, 4}, h, origin, 0.0, is_below), 0.4 * h);
+        setup_hybrid(&s, make_bar((const int[3]){6, 6, 4}, h, origin, 0.0, is_below_2), 0.4 * h);
         double *spacing = calloc((size_t)s.mesh->node_count, sizeof *spacing);
         for (int32_t i = 0; i < s.mesh->node_count; ++i) {
             spacing[i] = is_fine_core ? 0.09 : s.mesh->position[i][0] < 0.6 ? 0.035 : 0.14;
@@ -624,8 +611,7 @@ TEST(hard_blow_is_survived)
 {
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
-    init_block(&s, 100);
-    (void)start_hybrid(&s);
+    (void)start_block(&s, 100);
     start_tool(tool, 0.5);
     move(&s, tool, 0.5, 0.6, 3);
     move(&s, tool, 0.5, 0.6, 20);
@@ -650,7 +636,7 @@ TEST(a_core_turned_inside_out_is_told)
                                .displacement = way,
                                .axis = {true, true, true},
                                .ramp = 0.2};
-    setup_hybrid(&s, make_bar((const int[3]){4, 4, 4}, 0.25, origin, 0.0, is_below), 0.1);
+    setup_hybrid(&s, make_bar((const int[3]){4, 4, 4}, 0.25, origin, 0.0, is_below_2), 0.1);
     for (int32_t i = 1; i < s.mesh->node_count; ++i) {
         s.fixed[i] = 7;
     }

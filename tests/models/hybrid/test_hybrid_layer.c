@@ -12,7 +12,7 @@ static const double origin[3] = {0.0, 0.0, 0.0};
 static ss_mesh *make_block(const double low[3])
 {
     const int n[3] = {5, 5, 4};
-    return make_bar(n, 0.2, low, 0.3, is_below);
+    return make_bar(n, 0.2, low, 0.3, is_below_2);
 }
 
 static const double gradient[3][3] = {
@@ -236,18 +236,11 @@ TEST(affine_maps_are_exact)
     }
 }
 
-static bool is_lowest(int i, int j, int k)
-{
-    (void)i;
-    (void)j;
-    return k < 1;
-}
-
 /* All awake are all awake, also where each ghost of a thin core is blended in. */
 TEST(all_of_a_layer_wake)
 {
     setup s;
-    setup_hybrid(&s, make_bar((const int[3]){10, 10, 3}, 0.1, origin, 0.0, is_lowest), 0.1);
+    setup_hybrid(&s, make_bar((const int[3]){10, 10, 3}, 0.1, origin, 0.0, is_below_1), 0.1);
     wake_all(&s);
     const ss_hybrid *hybrid = start_hybrid(&s);
     assert_int_equal(hybrid->awake_count, hybrid->layer->own_count);

@@ -98,8 +98,7 @@ TEST(waiting_changes_nothing)
     setup s;
     ss_model_tool tool[SOFTSIM_MAX_PROBES];
     int32_t waited = 0;
-    init_block(&s, 150);
-    ss_hybrid *hybrid = start_hybrid(&s);
+    ss_hybrid *hybrid = start_block(&s, 150);
     start_tool(tool, 0.5);
     move(&s, tool, 0.5, 0.15, 60);
     assert_true(hybrid->awake_count > 50);
@@ -126,8 +125,7 @@ TEST(waiting_changes_nothing)
 TEST(each_change_is_told)
 {
     setup s;
-    init_block(&s, 100);
-    ss_hybrid *hybrid = start_hybrid(&s);
+    ss_hybrid *hybrid = start_block(&s, 100);
     ss_hybrid_wake_around(hybrid, hybrid->layer->skin_count / 2);
     const int32_t p = hybrid->wanted[0];
     for (int k = 0; k < 3; ++k) {

@@ -446,8 +446,6 @@ TEST(all_paths_agree)
 TEST(one_element_takes_its_implicit_step)
 {
     /* One free tetrahedron: momentum stays, and in the limit of small h the way is h^2 f / m. */
-    const double position[4][3] = {
-        {.01, .01, .01}, {.01, -.01, -.01}, {-.01, .01, -.01}, {-.01, -.01, .01}};
     const int32_t corner[1][4] = {{0, 1, 3, 2}};
     const double lambda = 2e4, mu = 2e3;
     _Alignas(64) ss_real mobility[32] = {0}, u[32] = {0}, step[32] = {0};
@@ -456,7 +454,8 @@ TEST(one_element_takes_its_implicit_step)
     for (int k = 0; k < 16; ++k) {
         mobility[k] = k % 4 == 3 ? 0 : (ss_real)(100 * (1 + k / 4));
     }
-    assert_true(ss_xpbd_packs_create(1, corner, position, &lambda, &mu, mobility, &arena, &packs));
+    assert_true(ss_xpbd_packs_create(1, corner, regular_tetrahedron, &lambda, &mu, mobility, &arena,
+                                     &packs));
     for (int m = 0; m < 2; ++m) {
         u[0] = (ss_real)2e-3;
         u[5] = (ss_real)-1e-3;
@@ -474,7 +473,7 @@ TEST(one_element_takes_its_implicit_step)
         const double volume = 8e-6 / 3.0;
         double h[9] = {0.0}, p[9], gradient[4][3], sum[3] = {0.0};
         for (int a = 0; a < 4; ++a) {
-            ss_scale3(gradient[a], position[a], 2500.0);
+            ss_scale3(gradient[a], regular_tetrahedron[a], 2500.0);
             for (int i = 0; i < 3; ++i) {
                 for (int j = 0; j < 3; ++j) {
                     h[3 * i + j] += (double)u[4 * a + i] * gradient[a][j];
