@@ -30,7 +30,7 @@ static void setup_touch(setup *s, ss_model_tool *tool, int32_t steps, double sat
     add_sphere(s, 0, RADIUS);
     s->plan.contact_stiffness = 2e7;
     create(s);
-    for (int n = 0; n <= 400; ++n) {
+    for (int n = 0; n <= 160; ++n) {
         go(tool, 0.0005, 0.0007, RADIUS + 0.001 - 0.004 * fmin(1.0, n / 60.0));
         step_tools(s, 1e-3, tool);
     }
@@ -131,7 +131,7 @@ TEST(the_network_in_its_own_time_comes_to_the_same_potential)
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}}, same[SOFTSIM_MAX_PROBES] = {{0}};
     int32_t top = 0;
     setup_touch(&s, tool, 0, 0.0, false);
-    setup_touch(&quick, same, 200, 0.0, false);
+    setup_touch(&quick, same, 60, 0.0, false);
     float *v = potential_of(&s), *w = potential_of(&quick);
     const float largest = largest_of(&s, v, &top);
     for (int32_t i = 0; i < s.mesh->node_count; ++i) {
