@@ -46,7 +46,7 @@
 /* k / k_n of what is near: a touch meets the tissue's inertia, which stiffness at rest has not. A
  * tool that would go TOUCH_WAY (m) until a result answers counts half of that: the law of a blow is
  * too stiff anyway when the answer comes. */
-#define TOUCH_MARGIN 1.25
+#define TOUCH_MARGIN 1.33
 #define TOUCH_WAY    0.004
 #define SLOW_RESULTS                                                                               \
     0.060 /* s: with results this old k = k_n, the margin costs more than it gives */

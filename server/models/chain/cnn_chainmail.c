@@ -263,7 +263,7 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
         const ss_tool *tool = &model->tools.tool[k];
         if (tool->is_used) {
             hash = hash_drive(hash, &model->tool[k].drive);
-            hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
+            hash = ss_tool_hash_felt(tool, hash);
             hash = ss_grasp_hash(&tool->grasp, hash);
         }
     }

@@ -81,13 +81,11 @@ static softsim_status create_tool(ss_model *model, int index, double area)
     tool->radius = radius > 0.0 ? radius : ss_shape_inradius(shape);
     tool->delta = ss_surface_mean_edge(model->tools.surface);
     tool->stiffness = contact_stiffness(model, tool->radius, area);
-    /* The contact a tenth of R deep, in series with the links of one cell. */
-    const double contact = 0.2 * SS_PI * tool->stiffness * tool->radius * tool->radius;
     double valence = 0.0;
     for (int32_t i = 0; i < model->node_count; ++i) {
         valence += model->valence[i] / model->node_count;
     }
-    tool->rest_felt = 1.0 / (1.0 / contact + 1.0 / (model->k * valence));
+    ss_tool_set_rest_felt(tool, 1.0 / (model->k * valence)); /* the links of one cell */
     return ss_tools_open(&model->tools, plan, index, &model->arena);
 }
 

@@ -323,7 +323,7 @@ double ss_chain_feel(ss_model *model, int probe, const double normal[3])
     solve_some(model,
                many > ITERATIONS ? (many < MOST_ITERATIONS ? many : MOST_ITERATIONS) : ITERATIONS);
     const double told = k_cc - dot(felt, felt->y, felt->push) - dot(felt, felt->y, felt->residual);
-    tool->felt = isfinite(told) && told > 0.0 ? told : k_cc;
+    ss_tool_set_felt(tool, isfinite(told) && told > 0.0 ? told : k_cc, k_cc);
     model->tool[probe].viscosity =
         tool->was_touching ? fmin(drag_met(model), MAX_VISCOUS_TIME * tool->felt) : 0.0;
     keep(model, probe);

@@ -431,7 +431,7 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
         hash = ss_hash_bytes(hash, &tool->cell.node, sizeof tool->cell.node);
         hash = ss_hash_bytes(hash, &tool->cell.has_pressed, sizeof(bool));
         hash = ss_hash_bytes(hash, tool->shape_y, quads);
-        hash = ss_hash_bytes(hash, &base->felt, sizeof base->felt);
+        hash = ss_tool_hash_felt(base, hash);
         hash = ss_hash_bytes(hash, &tool->source.reference, sizeof tool->source.reference);
         hash = ss_grasp_hash(&base->grasp, hash);
     }

@@ -145,7 +145,7 @@ static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3], d
     /* H y = c - residual, hence k(y) = k_cc - y.(c + residual). */
     const double felt = k_cc - model->kernels->dot(part, tool->shape_y, model->push) -
                         model->kernels->dot(part, tool->shape_y, model->residual);
-    tool->base->felt = isfinite(felt) && felt > 0.0 ? felt : k_cc;
+    ss_tool_set_felt(tool->base, isfinite(felt) && felt > 0.0 ? felt : k_cc, k_cc);
     const double viscosity = tool->base->was_touching ? damping_met(model, tool->shape_y) : 0.0;
     return fmin(viscosity, MAX_VISCOUS_TIME * tool->base->felt);
 }

@@ -364,7 +364,7 @@ uint64_t ss_body_hash(const ss_body *body, uint64_t seed)
         const ss_body_touch *felt = &body->felt[k];
         if (tool->is_used) {
             hash = ss_hash_bytes(hash, felt->shape_y, ss_body_bytes(body));
-            hash = ss_hash_bytes(hash, &tool->felt, sizeof tool->felt);
+            hash = ss_tool_hash_felt(tool, hash);
             hash = ss_hash_bytes(hash, &felt->age, sizeof felt->age);
             if (felt->age > 0) { /* a touch begins without a step */
                 hash = ss_hash_bytes(hash, felt->shape_step, ss_body_bytes(body));

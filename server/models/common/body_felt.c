@@ -293,7 +293,7 @@ static void feel(ss_body *body, int probe, const double normal[3])
     /* A body that buckles under the tool has no stiffness to tell: what it had goes on. */
     const double last = tool->was_touching && tool->felt > 0.0 ? tool->felt : k_cc;
     const bool is_stiff = isfinite(felt) && felt > 0.0;
-    tool->felt = is_stiff ? felt : last;
+    ss_tool_set_felt(tool, is_stiff ? felt : last, k_cc);
     if (!is_stiff) {
         memset(touch->shape_y, 0, ss_body_bytes(body));
         memset(touch->shape_step, 0, ss_body_bytes(body));

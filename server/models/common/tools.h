@@ -21,10 +21,11 @@ typedef struct ss_tool {
     bool is_used; /* has a row in the scene */
     const ss_shape *shape;
     ss_contact_query *query;
-    double radius;    /* R, m: a sub-step goes a share of it */
-    double delta;     /* m, reach of the weights */
-    double stiffness; /* kc, N/m^3 */
-    double rest_felt; /* N/m, told before it touches */
+    double radius;          /* R, m: a sub-step goes a share of it */
+    double delta;           /* m, reach of the weights */
+    double stiffness;       /* kc, N/m^3 */
+    double rest_felt;       /* N/m, of the contact a tenth of R deep and the body at rest */
+    double rest_compliance; /* m/N, of that body alone */
     /* state */
     bool is_present, was_touching;
     ss_tool_pose pose;     /* where the forces below were evaluated */
@@ -34,6 +35,7 @@ typedef struct ss_tool {
     double force[3], torque[3]; /* on the tool */
     double penalty;             /* J */
     double felt;                /* N/m, last in contact */
+    double compliance;          /* m/N, of the body alone: then, or at rest */
     double impulse[3];          /* N s, of `force` over the end of the step, */
     double span;                /* s: and how long that was */
 } ss_tool;
@@ -56,7 +58,7 @@ softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int ind
 void ss_tools_fini(ss_tools *tools);
 /* Nothing is near any more, nothing is held or told. */
 void ss_tools_reset(ss_tools *tools);
-/* Told before a touch: the contact a tenth of R deep, in series with a body of `compliance` m/N. */
+/* The body's `compliance` m/N, and what is felt of it with the contact a tenth of R deep. */
 void ss_tool_set_rest_felt(ss_tool *tool, double compliance);
 /* How deep it sinks in at haptic.max_force_n, m. */
 double ss_tool_largest_depth(const ss_tool *tool, const ss_model_plan *plan);
@@ -113,12 +115,16 @@ void ss_tool_add_diagonal(const ss_tool *tool, double *diagonal);
 void ss_tool_add_change(const ss_tool *tool, const ss_real *x, ss_real *out);
 /* Adds c to `push`; returns k_cc, N/m. */
 double ss_tool_push(const ss_tool *tool, const double normal[3], ss_real *push);
+/* In contact it feels `felt` N/m, the contact's own k_cc in series with the body. */
+void ss_tool_set_felt(ss_tool *tool, double felt, double k_cc);
+uint64_t ss_tool_hash_felt(const ss_tool *tool, uint64_t hash);
 
 /* ---- what the hand is told ---- */
 
 /* Tool `probe` with an empty set, or NULL where there is none present. */
 ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out);
 /* Fills the set at displacements u; true where it touches: its stiffness is to be shared along
- * out_normal (ss_contact_set_share). Else it is what was felt last, or at rest. */
+ * out_normal (ss_contact_set_share). Else it is that of the touch to come: the body's as felt last,
+ * or at rest, and the contact's as deep as that goes. */
 bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
                            double out_normal[3]);

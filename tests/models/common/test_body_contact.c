@@ -117,6 +117,48 @@ TEST(the_felt_stiffness_errs_high_but_little)
     bench_fini(&b);
 }
 
+/* The force on a ball pressed in by `depth` and held, its contact softer than the body. */
+static double force_at_rest(double contact_stiffness, double depth)
+{
+    bench b;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+    bench_with_ball(&b);
+    b.s.plan.contact_stiffness = contact_stiffness;
+    bench_make(&b);
+    press(&b, tool, depth, 100);
+    hold(&b, tool, 600);
+    const ss_contact_set set = felt(&b);
+    bench_fini(&b);
+    return set.force[2];
+}
+
+/* What a tool near the tissue is told is the stiffness of a touch as deep as it would go, a third
+ * of its way in a step: that of a tenth of its radius was up to 15 times too much. */
+TEST(a_touch_to_come_is_as_stiff_as_it_will_be_deep)
+{
+    static const double way[] = {1.5e-3, 3e-3};
+    const double contact_stiffness = 1e5;
+    for (size_t k = 0; k < sizeof way / sizeof *way; ++k) {
+        bench b;
+        ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
+        const double top = 0.03 + ball.radius + 1e-3, depth = way[k] / 3.0;
+        const double secant = force_at_rest(contact_stiffness, depth) / depth;
+        bench_with_ball(&b);
+        b.s.plan.contact_stiffness = contact_stiffness;
+        bench_make(&b);
+        tool_at(tool, top + way[k], top, 0.0);
+        run(&b, 1, 1e-3, tool);
+        const ss_contact_set near = felt(&b);
+        assert_int_equal(near.count, 1);
+        assert_true(near.contact[0].gap > 0.0);
+        print_message("%g mm: %g N/m, told %g\n", 1e3 * depth, secant, near.contact[0].stiffness);
+        /* A contact as the square of its depth has twice its secant. */
+        assert_true(near.contact[0].stiffness > secant);
+        assert_true(near.contact[0].stiffness < 2.5 * secant);
+        bench_fini(&b);
+    }
+}
+
 TEST(a_grasp_pulls_and_lets_go)
 {
     bench b;
