@@ -24,6 +24,15 @@
  */
 #include "models/common/fem_element.h"
 
+/* Of one lane gcc 12 makes wrong code of unrolled loops at -O1 and above (energies off by a
+ * seventh): plain C is left as it stands. */
+#define PRAGMA(text) _Pragma(#text)
+#if SS_WIDE_LANES > 1
+#define UNROLL(count) PRAGMA(GCC unroll count)
+#else
+#define UNROLL(count)
+#endif
+
 /* Blocks summed in ss_real before a sum goes over to double. */
 enum { RUN = 32 };
 /* The four-point Gauss rule of degree 2. */
@@ -73,13 +82,13 @@ SS_INLINE cell cell_at(const ss_quadratic_blocks *blocks, bool is_curved, bool i
 SS_INLINE void set_base(nodal *out)
 {
     ss_wide base[4][3];
-#pragma GCC unroll 10
+    UNROLL(10)
     for (int n = NODES - 1; n >= 0; --n) { /* corner 0 last, which becomes 0 */
         for (int i = 0; i < 3; ++i) {
             out->node[n][i] = out->node[n][i] - out->node[0][i];
         }
     }
-#pragma GCC unroll 4
+    UNROLL(4)
     for (int k = 0; k < 4; ++k) {
         const int *s = side[k];
         for (int i = 0; i < 3; ++i) {
@@ -91,7 +100,7 @@ SS_INLINE void set_base(nodal *out)
             }
         }
     }
-#pragma GCC unroll 3
+    UNROLL(3)
     for (int s = 0; s < 3; ++s) {
         for (int i = 0; i < 3; ++i) {
             out->base[s][i] = base[s + 1][i] - base[0][i];
@@ -101,7 +110,7 @@ SS_INLINE void set_base(nodal *out)
 
 SS_INLINE void load(const cell *c, const ss_real *field, nodal *out)
 {
-#pragma GCC unroll 10
+    UNROLL(10)
     for (int n = 0; n < NODES; ++n) {
         ss_wide_gather(field, c->at + LANES * n, out->node[n]);
     }
@@ -127,7 +136,7 @@ SS_INLINE element point_at(const cell *c, bool is_curved, int q, ss_wide *out_sh
 SS_INLINE tensor point_gradient(const element *e, const nodal *field, int q)
 {
     ss_wide d[3][3];
-#pragma GCC unroll 3
+    UNROLL(3)
     for (int s = 0; s < 3; ++s) {
         for (int i = 0; i < 3; ++i) {
             const ss_wide change = field->node[side[s + 1][q]][i] - field->node[side[0][q]][i];
@@ -145,13 +154,13 @@ typedef struct columns {
 
 SS_INLINE void clear(columns *f)
 {
-#pragma GCC unroll 10
+    UNROLL(10)
     for (int n = 0; n < NODES; ++n) {
         for (int i = 0; i < 3; ++i) {
             f->node[n][i] = all(0.0);
         }
     }
-#pragma GCC unroll 4
+    UNROLL(4)
     for (int k = 0; k < 4; ++k) {
         for (int i = 0; i < 3; ++i) {
             f->sum[k][i] = all(0.0);
@@ -163,7 +172,7 @@ SS_INLINE void add_point(const element *e, const tensor *p, int q, columns *f)
 {
     ss_wide column[4][3];
     corner_forces(e, p, column);
-#pragma GCC unroll 4
+    UNROLL(4)
     for (int k = 0; k < 4; ++k) {
         for (int i = 0; i < 3; ++i) {
             f->sum[k][i] = f->sum[k][i] + column[k][i];
@@ -179,7 +188,7 @@ SS_INLINE ss_wide force_at(const columns *f, int n, int i)
     if (n < 4) {
         x = ss_wide_fma(all(4.0 * FAR - 1.0), f->sum[n][i], x);
     }
-#pragma GCC unroll 4
+    UNROLL(4)
     for (int k = 0; k < 4; ++k) {
         for (int j = k + 1; j < 4; ++j) {
             if (side[k][j] == n) {
@@ -194,7 +203,7 @@ SS_INLINE ss_wide force_at(const columns *f, int n, int i)
 SS_INLINE void spread_columns(const cell *c, columns *f, double sign, ss_real *out)
 {
     ss_wide total[3] = {all(0.0), all(0.0), all(0.0)};
-#pragma GCC unroll 10
+    UNROLL(10)
     for (int n = NODES - 1; n > 0; --n) {
         ss_wide force[3];
         for (int i = 0; i < 3; ++i) {
@@ -214,7 +223,7 @@ SS_INLINE ss_wide gradients(ss_tissue_kind kind, bool is_curved, const cell *c, 
                             tensor h[POINTS], ss_wide theta[POINTS])
 {
     ss_wide mean = all(0.0);
-#pragma GCC unroll 4
+    UNROLL(4)
     for (int q = 0; q < POINTS; ++q) {
         ss_wide share;
         const element e = point_at(c, is_curved, q, &share);
@@ -231,20 +240,20 @@ SS_INLINE ss_wide gradients(ss_tissue_kind kind, bool is_curved, const cell *c, 
 SS_INLINE void isochoric_factors(const ss_wide j[POINTS], factor out[POINTS])
 {
     ss_wide ratio[POINTS], y[POINTS];
-#pragma GCC unroll 4
+    UNROLL(4)
     for (int q = 0; q < POINTS; ++q) {
         ratio[q] = all(1.0) + ss_wide_most(j[q], all(SS_FEM_HELD_FLOOR - 1.0));
         y[q] = cube_root_guess(ratio[q]);
     }
-#pragma GCC unroll 3
+    UNROLL(3)
     for (int k = 0; k < (sizeof(ss_real) == 8 ? 3 : 2); ++k) {
-#pragma GCC unroll 4
+        UNROLL(4)
         for (int q = 0; q < POINTS; ++q) {
             const ss_wide r = ss_wide_fnma(ratio[q] * y[q], y[q] * y[q], all(1.0));
             y[q] = ss_wide_fma(y[q] * r, ss_wide_fma(all(2.0 / 9.0), r, all(1.0 / 3.0)), y[q]);
         }
     }
-#pragma GCC unroll 4
+    UNROLL(4)
     for (int q = 0; q < POINTS; ++q) {
         out[q] = isochoric_factor_of(true, j[q], y[q]);
     }
@@ -271,7 +280,7 @@ SS_INLINE void force_block(ss_tissue_kind kind, bool is_curved, bool is_viscous,
     clear(&f);
     const ss_wide before = sum->strain;
     sum->strain = all(0.0);
-#pragma GCC unroll 4
+    UNROLL(4)
     for (int q = 0; q < POINTS; ++q) {
         ss_wide share;
         tensor rate;
