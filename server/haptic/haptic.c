@@ -246,8 +246,9 @@ static void use_result(ss_haptic *haptic, const ss_simulation_result *result, in
     if (!is_first && haptic->is_pressed && result->set.is_held && !local->grasp.is_held) {
         ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
-    ss_local_contact_take(local, result, &haptic->config, tick, haptic->yield.spring, at, haptic->p,
-                          haptic->pdot, is_first || result->is_found_inside);
+    ss_local_contact_take(local, result, &haptic->config, tick, haptic->yield.spring,
+                          held_pose(haptic)->orientation, at, haptic->p, haptic->pdot,
+                          is_first || result->is_found_inside);
     const bool is_near =
         ss_local_contact_surface(local, haptic->pose.position, normal, point, &depth);
     if (result->is_found_inside) {
@@ -749,6 +750,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
             &haptic->local, haptic->config.period,
             haptic->slip.stiffness_fraction < 1.0 ? 1.0 : ss_admission_left(&haptic->admission),
             haptic->yield.spring + haptic->config.damping / haptic->config.period);
+        ss_local_contact_turn(&haptic->local, held_pose(haptic)->orientation);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
         update_grasp(haptic, input, is_fresh, x, v);

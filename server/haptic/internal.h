@@ -88,12 +88,13 @@ typedef struct ss_local_contact_grasp {
     double offset[3];     /* N, o */
     double drift[3];      /* N, the offset's mean of some ms */
     double last_force[3]; /* N, F(p) of the last tick */
+    double torque[3];     /* N m, of `force`, about the tool's origin */
 } ss_local_contact_grasp;
 
 /* What pushes the tool beside its contacts: of the last result, and as far as it acts by now. */
 typedef struct ss_local_contact_other {
     double model_force[3], model_torque[3]; /* N, N m */
-    double force[3], torque[3];
+    double force[3];
     double share; /* of these, that the hand feels */
 } ss_local_contact_other;
 
@@ -117,10 +118,14 @@ typedef struct ss_local_contact {
     double proxy[3];    /* p_k */
     double velocity[3]; /* v_k */
     double depth;       /* m, penetration that the model has not yet yielded to */
+    bool has_torque;    /* a tool with extent */
+    double orientation[4];
+    double turn[3];     /* rad, rotation vector from there to the tool as it is held now */
     double residual[3]; /* N, decaying: what an update changed beyond the contacts' offsets */
-    int32_t free_ticks; /* since a contact was active, SS_RAMP_TICKS at most */
-    double outward[3];  /* unit, of the force of the last one that was; 0: none yet */
-    double released[3]; /* N, decaying: the force of a grasp let go */
+    double residual_torque[3]; /* N m, decaying: what it changed of the torque */
+    int32_t free_ticks;        /* since a contact was active, SS_RAMP_TICKS at most */
+    double outward[3];         /* unit, of the force of the last one that was; 0: none yet */
+    double released[3];        /* N, decaying: the force of a grasp let go */
 } ss_local_contact;
 
 /* One row of the balance: F(p) = max(0, free_force - slope n.(p - p_free)). */
@@ -162,12 +167,14 @@ void ss_local_contact_clear(ss_local_contact *local);
  * coupling's, damper included. */
 void ss_local_contact_decay(ss_local_contact *local, double period, double held_back,
                             double spring);
+/* The tool is held at `orientation` from now on. */
+void ss_local_contact_turn(ss_local_contact *local, const double orientation[4]);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
 void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *result,
                            const ss_haptic_config *config, int64_t tick, double spring,
-                           const double x[3], const double p[3], const double pdot[3],
-                           bool is_fresh);
+                           const double orientation[4], const double x[3], const double p[3],
+                           const double pdot[3], bool is_fresh);
 /* The contacts begin without force: offsets hold back what would appear at once. */
 void ss_local_contact_begin(ss_local_contact *local, const double x[3], const double p[3],
                             const double pdot[3]);

@@ -10,7 +10,9 @@
  * which is affine in p with the height s taken at the pose used and the motion from there along n':
  *   n.(p - p_k) - s  ->  n.(x - p_k) - s + n'.(p - x),    pdot -> n'.(p - p-)/T.
  * (The normal n' is the gradient of the height that the force follows, so that the balance has a
- * potential and its matrix is symmetric.) Near but not touching: f = -k gap.
+ * potential and its matrix is symmetric.) Near but not touching: f = -k gap. A tool with extent
+ * that has turned by theta since is, at the contact, n'.(theta x (c - p_k)) further out; the sum of
+ * (c - p_k) x F n' is its torque.
  *
  * k errs high, 1.15 k_n: the force is k x + (K - k) p_k with p_k old by one to two periods, a
  * delayed spring of K - k; K > k takes (K - k) x age from the damping, K < k adds to it. What is
@@ -18,8 +20,8 @@
  *
  * An update must not be felt: the offset o makes up for what the local contact model changed at the
  * last proxy and decays within milliseconds. What per-contact offsets cannot carry (a normal that
- * turned, a contact that vanished) goes into a vector that decays in the same way. Rejected:
- * blending two laws by their forces, which softens both.
+ * turned, a contact that vanished) goes into a vector that decays in the same way, and so does what
+ * it changed of the torque. Rejected: blending two laws by their forces, which softens both.
  *
  * What pushes the tool beside its contacts comes to hand and proxy as it is, smoothed like an
  * update, and ends with them. Rejected: contacts turned to the whole force (where the tissue comes
@@ -51,6 +53,7 @@
 #define SLOW_RESULTS                                                                               \
     0.060 /* s: with results this old k = k_n, the margin costs more than it gives */
 #define PATCH_REACH         0.005 /* m, |D| */
+#define TURN_REACH          0.5   /* rad, |theta| */
 #define RELEASED_FORCE_TIME 0.010 /* s */
 /* s, tau = h/4 within these. With 2 ms as the least, results at 300 to 1000 Hz let the inertia of a
  * stiff contact into the hand a few ticks late, and fast taps hand out 0.8 to 2.5 mJ; with 4 ms at
@@ -84,8 +87,11 @@
  * kidney's viscosity is a step; in 20 ms the force on the way out of a liver is 0.18 N off its
  * reaction, in 5 ms 0.05 N. */
 #define HELD_BACK_RECOVERY_TIME 0.005
-#define NEGLIGIBLE              1e-6 /* N: a decayed offset ends here */
-#define NEGLIGIBLE_TIME         1e-6 /* s: and here what slowed it */
+/* s, of the torque that an update changes. Of a capsule tilted on a kidney each millisecond gives
+ * the hand half a millijoule a turn. */
+#define TORQUE_TIME     0.002
+#define NEGLIGIBLE      1e-6 /* N: a decayed offset ends here */
+#define NEGLIGIBLE_TIME 1e-6 /* s: and here what slowed it */
 /* s, B <= 3 ms x k_n. A fast simulation's step tangent is mostly the inertia of the touched tissue;
  * times the steps of a quantised position it is noise: at 1000 Hz 3.3 % buzz and 18 % continuity
  * (metrics of bench/latency) with 10 ms, 2.4 and 9 % with 3 ms, and no more stability from either.
@@ -112,10 +118,10 @@ static void set_offset_time(ss_local_contact *local, double period, double sprin
     local->offset_time = fmax(usual, fmin(least, OFFSET_TIME_STIFF_MAX));
 }
 
-static void decay3(double v[3], double factor)
+static void decay3(double v[3], double factor, double least)
 {
     ss_scale3(v, v, factor);
-    if (ss_norm3(v) < NEGLIGIBLE) {
+    if (ss_norm3(v) < least) {
         ss_set3(v, 0.0, 0.0, 0.0);
     }
 }
@@ -129,6 +135,7 @@ static void fade_residual_when_free(ss_local_contact *local)
     } else if (local->free_ticks < SS_RAMP_TICKS) {
         const double left = SS_RAMP_TICKS - local->free_ticks;
         ss_scale3(local->residual, local->residual, (left - 1.0) / left);
+        ss_scale3(local->residual_torque, local->residual_torque, (left - 1.0) / left);
         ++local->free_ticks;
     }
 }
@@ -169,9 +176,20 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double held_
         ss_sub3(grasp->drift, grasp->drift, lost);
         ss_sub3(grasp->last_force, grasp->last_force, lost);
     }
-    decay3(local->residual, factor);
+    decay3(local->residual, factor, NEGLIGIBLE);
+    decay3(local->residual_torque, exp(-period / fmax(TORQUE_TIME, 0.25 * local->result_period)),
+           NEGLIGIBLE * PATCH_REACH);
     fade_residual_when_free(local);
-    decay3(local->released, exp(-period / RELEASED_FORCE_TIME));
+    decay3(local->released, exp(-period / RELEASED_FORCE_TIME), NEGLIGIBLE);
+}
+
+void ss_local_contact_turn(ss_local_contact *local, const double orientation[4])
+{
+    ss_set3(local->turn, 0.0, 0.0, 0.0);
+    if (local->has_torque) {
+        ss_turn_between(local->orientation, orientation, local->turn);
+        (void)ss_clamp_norm3(local->turn, TURN_REACH);
+    }
 }
 
 /* Height of the patch over its plane at x, and the bent normal. */
@@ -204,10 +222,13 @@ static double bend(const ss_local_contact *local, const ss_local_contact_point *
 static double contact_force(const ss_local_contact *local, ss_local_contact_point *c,
                             const double x[3], const double p[3], const double pdot[3])
 {
-    double from_k[3], from_x[3];
+    double from_k[3], from_x[3], arm[3], turned[3];
     const double height = bend(local, c, x, c->direction);
     ss_sub3(from_k, x, local->proxy);
     ss_sub3(from_x, p, x);
+    ss_sub3(arm, c->point, local->proxy);
+    ss_cross3(turned, local->turn, arm);
+    ss_add3(from_x, from_x, turned);
     const double rise = ss_dot3(c->normal, from_k) - height + ss_dot3(c->direction, from_x);
     const double speed = ss_dot3(c->direction, pdot) - ss_dot3(c->normal, local->velocity);
     return c->force - c->stiffness * rise - local->viscosity_fraction * c->viscosity * speed +
@@ -264,19 +285,45 @@ void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic
     }
 }
 
+/* The model's own torque as of the result, and what the law has changed since: without the offsets,
+ * which keep the proxy still and would let the torque come late, but no more than they leave of the
+ * force. */
 void ss_local_contact_torque(const ss_local_contact *local, double out[3])
 {
-    ss_scale3(out, local->other.torque, local->other.share);
+    const ss_local_contact_grasp *grasp = &local->grasp;
+    double own[3] = {0.0, 0.0, 0.0}, laws[3] = {0.0, 0.0, 0.0}, felt[3], arm[3], torque[3];
+    ss_copy3(felt, local->residual);
+    ss_madd3(out, local->residual_torque, local->other.share, local->other.model_torque);
+    if (grasp->is_held) {
+        double since[3];
+        ss_sub3(since, grasp->last_force, grasp->force);
+        ss_sub3(arm, local->count > 0 ? local->contact[0].point : local->proxy, local->proxy);
+        ss_cross3(torque, arm, since);
+        ss_add3(out, out, grasp->torque);
+        ss_add3(out, out, torque);
+        return;
+    }
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
-        double arm[3], force[3], torque[3];
+        const double force = fmax(0.0, c->last_force - c->offset);
         ss_sub3(arm, c->point, local->proxy);
-        ss_scale3(force, c->direction, c->last_force);
-        if (local->grasp.is_held && i == 0) {
-            ss_add3(force, force, local->grasp.last_force);
-        }
-        ss_cross3(torque, arm, force);
-        ss_add3(out, out, torque);
+        ss_cross3(torque, arm, c->direction);
+        ss_madd3(laws, laws, force, torque);
+        ss_madd3(own, own, force, c->direction);
+        ss_madd3(felt, felt, c->last_force, c->direction);
+    }
+    const double left = ss_dot3(felt, own), whole = ss_dot3(own, own);
+    ss_madd3(out, out, left < whole ? fmax(0.0, left / whole) : 1.0, laws);
+}
+
+/* What has changed of the torque, which was `before`, decays. */
+static void keep_torque(ss_local_contact *local, const double before[3])
+{
+    ss_set3(local->residual_torque, 0.0, 0.0, 0.0);
+    if (local->has_torque) {
+        double now[3];
+        ss_local_contact_torque(local, now);
+        ss_sub3(local->residual_torque, before, now);
     }
 }
 
@@ -297,9 +344,11 @@ uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash)
     const double number[] = {local->min_offset_time, local->viscosity_fraction};
     const uint8_t flag[] = {local->grasp.is_held, (uint8_t)local->free_ticks};
     const ss_local_contact_other *other = &local->other;
-    if (ss_norm3(other->force) > 0.0 || ss_norm3(other->torque) > 0.0) {
+    if (ss_norm3(other->force) > 0.0) {
         hash = ss_hash_bytes(hash, other->force, sizeof other->force);
-        hash = ss_hash_bytes(hash, other->torque, sizeof other->torque);
+    }
+    if (ss_norm3(local->residual_torque) > 0.0) {
+        hash = ss_hash_bytes(hash, local->residual_torque, sizeof local->residual_torque);
     }
     if (local->grasp.is_held) {
         hash = ss_hash_bytes(hash, local->grasp.drift, sizeof local->grasp.drift);
@@ -515,6 +564,8 @@ static void force_of_grasp(const ss_local_contact_grasp *grasp, const double p[3
 void ss_local_contact_hold(ss_local_contact *local, const double p[3], const double pdot[3])
 {
     ss_local_contact_grasp *grasp = &local->grasp;
+    ss_local_contact_torque(local, grasp->torque);
+    ss_set3(local->residual_torque, 0.0, 0.0, 0.0);
     ss_scale3(grasp->force, local->other.force, local->other.share);
     memset(&local->other, 0, sizeof local->other);
     for (int32_t i = 0; i < local->count; ++i) {
@@ -543,7 +594,8 @@ void ss_local_contact_release(ss_local_contact *local, const double x[3], const 
     if (!local->grasp.is_held) {
         return;
     }
-    double said[3] = {0.0, 0.0, 0.0};
+    double said[3] = {0.0, 0.0, 0.0}, torque[3];
+    ss_local_contact_torque(local, torque);
     ss_add3(local->released, local->released, local->grasp.last_force);
     (void)ss_clamp_norm3(local->released, limit);
     local->grasp.is_held = false;
@@ -562,6 +614,7 @@ void ss_local_contact_release(ss_local_contact *local, const double x[3], const 
         c->offset = (share - 1.0) * c->last_force;
         c->last_force *= share;
     }
+    keep_torque(local, torque);
 }
 
 void ss_local_contact_begin(ss_local_contact *local, const double x[3], const double p[3],
@@ -583,6 +636,7 @@ static void take_grasp(ss_local_contact *local, const ss_simulation_result *resu
         set_grasp_tensors(local, false);
     }
     ss_copy3(grasp->force, result->set.force);
+    ss_copy3(grasp->torque, result->set.torque);
     ss_copy3(grasp->position, result->proxy);
     ss_copy3(grasp->velocity, result->velocity);
     double now[3];
@@ -631,10 +685,11 @@ static void keep_force(ss_local_contact *local, const ss_local_contact *old, con
 
 void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *result,
                            const ss_haptic_config *config, int64_t tick, double spring,
-                           const double x[3], const double p[3], const double pdot[3],
-                           bool is_fresh)
+                           const double orientation[4], const double x[3], const double p[3],
+                           const double pdot[3], bool is_fresh)
 {
-    double swift = 0.0;
+    double swift = 0.0, torque[3];
+    ss_local_contact_torque(local, torque);
     const ss_local_contact old = *local;
     int32_t source[SS_MAX_CONTACTS];
     uint32_t used = 0;
@@ -642,6 +697,7 @@ void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *
         ss_local_contact_clear(local);
     }
     local->is_known = true;
+    local->has_torque = config->tool_gyration > 0.0;
     local->count = result->set.count;
     local->tick = result->tick;
     local->depth = result->set.depth;
@@ -651,6 +707,8 @@ void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *
     local->result_period = fmin(0.5, fmax(config->period, result->period));
     ss_copy3(local->proxy, result->proxy);
     ss_copy3(local->velocity, result->velocity);
+    memcpy(local->orientation, result->orientation, sizeof local->orientation);
+    ss_local_contact_turn(local, orientation);
     const double age = (double)(tick - result->tick) * config->period;
     const double margin = age + local->result_period > SLOW_RESULTS ? 1.0 : STIFFNESS_MARGIN;
     for (int32_t i = 0; i < local->count; ++i) {
@@ -677,6 +735,9 @@ void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *
     } else if (!is_fresh) {
         keep_force(local, &old, source, x, p, pdot);
     }
+    if (!is_fresh) {
+        keep_torque(local, torque);
+    }
 }
 
 /* As an update of a contact does, it comes by the offsets' time. It goes with the contacts as they
@@ -688,8 +749,6 @@ void ss_local_contact_follow_other(ss_local_contact *local, double period, doubl
     const double kept = exp(-period / local->offset_time);
     for (int i = 0; i < 3; ++i) {
         other->force[i] = other->model_force[i] + kept * (other->force[i] - other->model_force[i]);
-        other->torque[i] =
-            other->model_torque[i] + kept * (other->torque[i] - other->model_torque[i]);
     }
     ss_copy3(whole, other->force);
     for (int32_t i = 0; i < local->count; ++i) {

@@ -191,6 +191,80 @@ TEST(what_pushes_beside_the_contacts_is_felt)
     rig_end(&r);
 }
 
+/* A tool that lies on tissue with force and torque as they are, told as one contact, as two, as two
+ * that lie and share otherwise. */
+static void lie(rig *r, double k, double depth, int as)
+{
+    static const struct {
+        int count;
+        double arm[2], share[2];
+    } row[] = {
+        {2, {0.012, -0.008}, {0.6, 0.4}}, {1, {0.004}, {1.0}}, {2, {0.010, 0.0}, {0.4, 0.6}}};
+    rig_result(r, k, depth, 1);
+    ss_contact_set *set = &r->result.set;
+    const ss_contact whole = set->contact[0];
+    set->count = row[as].count;
+    set->torque[1] = -0.004 * whole.force;
+    for (int i = 0; i < row[as].count; ++i) {
+        set->contact[i] = whole;
+        set->contact[i].point[0] = row[as].arm[i];
+        set->contact[i].force *= row[as].share[i];
+        set->contact[i].stiffness *= row[as].share[i];
+    }
+    (void)rig_tick(r, -depth);
+}
+
+TEST(a_torque_does_not_jump_as_contacts_come_and_go)
+{
+    const double k = 300.0, depth = 4e-3;
+    ss_haptic_config config = default_config();
+    config.tool_gyration = 0.005;
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, k, depth);
+    for (int n = 0; n < 200; ++n) {
+        lie(&r, k, depth, 0);
+    }
+    const double torque = r.out.force.torque[1];
+    assert_near(torque, -0.004 * r.out.force.force[2], 1e-9);
+    for (int n = 0; n < 300; ++n) {
+        lie(&r, k, depth, n / 7 % 3);
+        assert_near(r.out.force.torque[1], torque, 0.01 * fabs(torque));
+    }
+    rig_end(&r);
+}
+
+/* Between two results a tool that turns into the tissue is felt to: each contact's stiffness at its
+ * arm, of the force and of the torque. */
+TEST(a_turn_is_felt_between_results)
+{
+    const double k = 300.0, depth = 4e-3, arm = 0.02, angle = 0.01;
+    ss_haptic_config config = default_config();
+    config.tool_gyration = 0.005;
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, k, depth);
+    for (int n = 0; n < 200; ++n) {
+        rig_result(&r, k, depth, 1);
+        r.result.set.contact[0].point[0] = arm;
+        r.result.set.torque[1] = -arm * r.result.set.contact[0].force;
+        (void)rig_tick(&r, -depth);
+    }
+    const double force = r.out.force.force[2], torque = r.out.force.torque[1];
+    assert_near(torque, -arm * force, 1e-9);
+    r.pose.orientation[0] = cos(0.5 * angle);
+    r.pose.orientation[2] = sin(0.5 * angle);
+    const double proxy = r.out.target.proxy[2];
+    (void)rig_tick(&r, -depth);
+    /* About y the end at +x goes down: the law's stiffness, that errs high, less what the proxy
+     * rises. */
+    const double in = angle * arm - (r.out.target.proxy[2] - proxy);
+    assert_true(in > 0.0);
+    assert_near(r.out.force.force[2] - force, 1.15 * k * in, 0.02 * k * in);
+    assert_near(r.out.force.torque[1], -arm * r.out.force.force[2], 1e-6);
+    rig_end(&r);
+}
+
 /* Soft tissue that yields in 5 ms under a contact of 20 kN/m, which is told to the haptic loop or
  * not: the most that a reaction changes in a tick under a hand that stands still, of the force. */
 static double swing_of(double told)

@@ -119,6 +119,7 @@ TEST(a_turned_tool_takes_and_gives_work)
             const double angle = way * step * (n < 10 ? 0 : n < 30 ? n - 9 : 20);
             rig_result(&r, k, depth, 1);
             r.result.set.contact[0].point[0] = arm;
+            memcpy(r.result.orientation, r.pose.orientation, sizeof r.result.orientation);
             r.pose.force_seq = r.out.force.seq;
             r.pose.orientation[0] = cos(0.5 * angle);
             r.pose.orientation[2] = sin(0.5 * angle);
