@@ -29,6 +29,13 @@ static inline double ss_random_signed(uint64_t *state)
     return (double)(ss_random_next(state) >> 11) * 0x1p-52 - 1.0;
 }
 
+/* Uniform in [-1, 1), by a linear congruence: what power iterations start from. */
+static inline double ss_random_start(uint64_t *state)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*state >> 11) / 9007199254740992.0 * 2.0 - 1.0;
+}
+
 /* The number at `index` of the stream with seed 0, for what is not drawn in order: [-1, 1). */
 static inline double ss_random_signed_at(uint64_t index)
 {

@@ -35,6 +35,7 @@
 #include <string.h>
 
 #include "rt/memory.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 /* Sub-steps that an element stays out after a tool has left it. */
@@ -233,8 +234,7 @@ static double largest_rate(ss_model *model, bool has_fine, bool has_coarse, ss_r
     double value = 0.0;
     uint64_t random = 1;
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)model->node_count; ++at) {
-        random = random * 6364136223846793005u + 1442695040888963407u;
-        x[at] = model->free[at] * (ss_real)((double)(random >> 11) / 9007199254740992.0 - 0.5);
+        x[at] = model->free[at] * (ss_real)(0.5 * ss_random_start(&random));
     }
     for (int m = 0; m < POWER_ITERATIONS; ++m) {
         double square = 0.0;

@@ -180,12 +180,6 @@ void ss_fem_force(void *owner, const ss_real *u, const ss_real *v, ss_real *forc
                   ss_body_energy *out);
 void ss_fem_tangent(void *owner, const ss_real *x, ss_real *out);
 void ss_fem_diagonal(void *owner, double *diagonal);
-static inline void ss_fem_add_diagonal(int32_t count, const double *from, double *diagonal)
-{
-    for (int32_t i = 0; i < count; ++i) {
-        diagonal[i] += from[i];
-    }
-}
 double ss_fem_stable_step(void *owner, const ss_body *body);
 void ss_fem_reset(void *owner);
 uint64_t ss_fem_hash(const void *owner, uint64_t seed);

@@ -60,6 +60,14 @@ static inline void ss_fem_put_moduli(const ss_fem_moduli *of, int32_t e, double 
     }
 }
 
+/* Of nodes. */
+static inline void ss_fem_add_diagonal(int32_t count, const double *from, double *diagonal)
+{
+    for (int32_t i = 0; i < count; ++i) {
+        diagonal[i] += from[i];
+    }
+}
+
 /* What the blocks are made of. */
 typedef struct ss_fem_stuff {
     int32_t node_count;

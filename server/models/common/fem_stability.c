@@ -38,6 +38,7 @@
 
 #include "mesh/tetrahedron.h"
 #include "rt/hash.h"
+#include "rt/random.h"
 
 /* Outer steps between power steps for an unchanged body, and for one whose law has no rule of
  * growth. */
@@ -249,8 +250,7 @@ static void iterate_at_rest(ss_fem *fem)
     uint64_t seed = 1;
     double square = 0.0, residual = 1.0;
     for (ptrdiff_t k = 0; k < (ptrdiff_t)fem->blocks.node_count * 4; ++k) {
-        seed = seed * 6364136223846793005u + 1442695040888963407u;
-        const double random = (double)(seed >> 11) / 9007199254740992.0 * 2.0 - 1.0;
+        const double random = ss_random_start(&seed);
         const double mobility = (double)s->mobility[k];
         s->mode[k] = mobility > 0.0 ? (ss_real)random : 0;
         square += mobility > 0.0 ? random * random / mobility : 0.0;

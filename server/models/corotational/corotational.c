@@ -97,9 +97,7 @@ static bool fill_blocks(ss_model *model)
 static void add_diagonal(void *owner, double *diagonal)
 {
     const ss_model *model = owner;
-    for (int32_t i = 0; i < model->node_count; ++i) {
-        diagonal[i] += model->stiff[i];
-    }
+    ss_fem_add_diagonal(model->node_count, model->stiff, diagonal);
 }
 
 static double stable_step(void *owner, const ss_body *body)

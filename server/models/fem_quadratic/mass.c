@@ -24,6 +24,7 @@
 #include <string.h>
 
 #include "rt/memory.h"
+#include "rt/random.h"
 
 /* Until an element's fastest motion is found from a random start, and from one nearby. */
 enum { START_STEPS = 30, MORE_STEPS = 8, BISECTIONS = 60 };
@@ -177,7 +178,7 @@ static bool dealing_init(dealing *d, const ss_quadratic_raised *raised,
     }
     uint64_t seed = 1;
     for (size_t k = 0; k < values * MODE; ++k) {
-        d->pass.mode[k] = (ss_real)ss_quadratic_random(&seed);
+        d->pass.mode[k] = (ss_real)ss_random_start(&seed);
     }
     for (int32_t b = 0; b < blocks->count; ++b) {
         block[b] = b;

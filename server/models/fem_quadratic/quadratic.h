@@ -107,9 +107,6 @@ double ss_quadratic_skin_rate2(void *owner, int32_t count, const int32_t *node,
 
 /* ---- stability.c ---- */
 
-/* -1 to 1. */
-double ss_quadratic_random(uint64_t *seed);
-
 typedef struct ss_quadratic_stability {
     double bound;              /* 1/s^2, of any element at rest */
     double rest_rate2;         /* omega_max^2 at rest, from above, 1/s^2 */

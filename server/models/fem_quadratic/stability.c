@@ -21,6 +21,7 @@
 
 #include "models/common/dispatch.h"
 #include "rt/hash.h"
+#include "rt/random.h"
 
 SS_KERNEL_PATHS(ss_quadratic_kernels)
 
@@ -73,12 +74,6 @@ void ss_quadratic_diagonal(void *owner, double *diagonal)
 
 /* ---- power iteration ---- */
 
-double ss_quadratic_random(uint64_t *seed)
-{
-    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*seed >> 11) / 9007199254740992.0 * 2.0 - 1.0;
-}
-
 /* x := M^-1 K x at own->u, normed to x.Mx = 1; returns omega^2 from above, and the residual over
  * it. Units in which nothing over- or underflows: y = (M^-1 K / bound) x. */
 static double power_step(ss_quadratic *own, ss_real *x, ss_real *y, double *out_residual)
@@ -111,7 +106,7 @@ static void iterate_at_rest(ss_quadratic *own, ss_real *x, ss_real *y)
     uint64_t seed = 1;
     double square = 0.0, residual = 1.0, rate2 = s->bound;
     for (ptrdiff_t k = 0; k < count; ++k) {
-        const double random = ss_quadratic_random(&seed), mobility = (double)s->mobility[k];
+        const double random = ss_random_start(&seed), mobility = (double)s->mobility[k];
         x[k] = mobility > 0.0 ? (ss_real)random : 0;
         square += mobility > 0.0 ? random * random / mobility : 0.0;
     }
@@ -148,7 +143,7 @@ static void iterate_elements_at_rest(ss_quadratic *own)
     const ptrdiff_t count = (ptrdiff_t)own->blocks.count * MODE;
     uint64_t seed = 1;
     for (ptrdiff_t k = 0; k < count; ++k) {
-        s->mode[k] = (ss_real)ss_quadratic_random(&seed);
+        s->mode[k] = (ss_real)ss_random_start(&seed);
     }
     for (int32_t b = 0; b < own->blocks.count; ++b) {
         s->block[b] = b;

@@ -16,6 +16,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rt/random.h"
 #include "rt/vec.h"
 
 enum { POWER_STEP_INTERVAL = 32, MAX_POWER_STEPS = 100, PLACES = 4 };
@@ -30,8 +31,7 @@ static void stir(ss_hybrid *hybrid)
     uint64_t seed = 1;
     double square = 0.0;
     for (ptrdiff_t k = 0; k < 4 * (ptrdiff_t)nodes->count; ++k) {
-        seed = seed * 6364136223846793005u + 1442695040888963407u;
-        const double random = (double)(seed >> 11) / 9007199254740992.0 * 2.0 - 1.0;
+        const double random = ss_random_start(&seed);
         const double mobility = (double)nodes->mobility[k];
         hybrid->mode[k] = mobility > 0.0 ? (ss_real)random : 0;
         square += mobility > 0.0 ? random * random / mobility : 0.0;
