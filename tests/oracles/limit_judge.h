@@ -8,9 +8,9 @@
  * was then and the same path without a limit gives at least L: |F| within .99 L .. 1.0001 L, its
  * direction turns by at most 1 degree a tick, its steps are at most 2 % of L above those of the
  * path without a limit. On the way out a body that has crept under L gives less a little deeper
- * (`late`), and says so: its own reaction is below L. From there on only steps are judged, at most
- * 2 % of L above the largest of the other path's way out.
- * Everywhere |F| stays below the limit, and the proxy near the hand.
+ * (`late`), and says so: its own reaction, told a tick after the pose, is below L. From there on
+ * only steps are judged, at most 2 % of L above the largest of the other path's way out. Everywhere
+ * |F| stays below the limit, and the proxy near the hand.
  */
 #include <math.h>
 #include <stdbool.h>
@@ -82,7 +82,8 @@ static inline limit_verdict judge_limit(const limit_tick *tick, const limit_tick
         if (v.first < 0 || i == v.first || tick[i].depth <= tick[v.first].depth) {
             continue;
         }
-        if (!is_left && i >= turn && size < 0.99 * limit && tick[i].model < limit) {
+        const double answer = tick[i + 1 < count ? i + 1 : i].model;
+        if (!is_left && i >= turn && size < 0.99 * limit && answer < limit) {
             is_left = true;
             v.late = tick[i].depth - tick[v.first].depth;
         }
