@@ -73,7 +73,7 @@ typedef struct ss_local_contact_point {
     double curvature[3][3]; /* 1/m */
     double rate;            /* N/s, for linear extrapolation */
     double offset;          /* N, o */
-    double drift;           /* N, the offset's mean of some ms, at the limit */
+    double drift;           /* N, of the offset, what decays: it, or its mean of some ms */
     double direction[3];    /* n', the normal bent by the curvature */
     double last_force;      /* N, F(p) >= 0 of the last tick */
 } ss_local_contact_point;
@@ -108,6 +108,7 @@ typedef struct ss_local_contact {
     int64_t tick;           /* of the result */
     double result_period;   /* s, h */
     double step_stiffness;  /* N/m, of the last result */
+    double swift;           /* N/m, all contacts' of the last result */
     double offset_time;     /* s, of this tick */
     double min_offset_time; /* s, the least of the offsets' decay; left by the limit or an entry */
     /* Share of the viscosities that counts. None for a proxy that is about to jump or has: one that

@@ -83,6 +83,17 @@
  * 5 %. Rejected in a grasp: a decay in 20 ms without the mean (as still, but a hand that moves
  * feels the error of the stiffness that much longer). */
 #define DRIFT_TIME 0.004
+/* 1/s: the same of contacts that no grasp and no limit holds. Let f be the swing of a reaction, S_w
+ * the swift stiffness, S what the proxy moves against: an offset that decays in tau moves the proxy
+ * by f / (S omega tau), a result late, and at most frequencies above 150 Hz that pushes the swing:
+ * it grows by up to S_w / (2 S tau) a second, less half the tissue's mass damping, whatever its
+ * frequency. By the mean it is a sixth of that at 250 Hz. A share of the mean from the first rate
+ * on, all of it from the second: tissue of 10 kPa and 30 /s between a tool and a wall, where K_c
+ * is 1.4 kN/m, had 150 /s; 10 mm deep a still hand was shaken by 1.6 to 3.4 N. Rejected: tau = 8 ms
+ * without the mean (one place of 12 swings on). A stiff coupling, 20 kN/m, has 20 /s at most on
+ * such tissue and feels each update in 4 ms as before. */
+#define SWING_RATE_LEAST 30.0
+#define SWING_RATE_FULL  90.0
 /* s: in which it comes back to what it was, so that no offset ends at once. At 0.5 N, in 3 ms a
  * kidney's viscosity is a step; in 20 ms the force on the way out of a liver is 0.18 N off its
  * reaction, in 5 ms 0.05 N. */
@@ -107,15 +118,29 @@ void ss_local_contact_clear(ss_local_contact *local)
     local->offset_time = OFFSET_TIME_MIN;
 }
 
-static void set_offset_time(ss_local_contact *local, double period, double spring)
+/* N/m: what the proxy moves against, S. */
+static double stiffness_against(const ss_local_contact *local, double spring)
 {
-    const double usual = fmin(OFFSET_TIME_MAX, fmax(OFFSET_TIME_MIN, 0.25 * local->result_period));
     double against = spring;
     for (int32_t i = 0; i < local->count; ++i) {
         against += local->contact[i].stiffness;
     }
+    return against;
+}
+
+static void set_offset_time(ss_local_contact *local, double period, double against)
+{
+    const double usual = fmin(OFFSET_TIME_MAX, fmax(OFFSET_TIME_MIN, 0.25 * local->result_period));
     const double least = period * local->step_stiffness / (STEP_GAIN * against);
     local->offset_time = fmax(usual, fmin(least, OFFSET_TIME_STIFF_MAX));
+}
+
+/* Of an offset's mean in what decays: 0 the offset itself, 1 its mean. */
+static double mean_share(const ss_local_contact *local, double against)
+{
+    const double rate = local->swift / (against * local->offset_time);
+    const double share = (rate - SWING_RATE_LEAST) / (SWING_RATE_FULL - SWING_RATE_LEAST);
+    return fmin(1.0, fmax(0.0, share));
 }
 
 static void decay3(double v[3], double factor, double least)
@@ -142,7 +167,8 @@ static void fade_residual_when_free(ss_local_contact *local)
 
 void ss_local_contact_decay(ss_local_contact *local, double period, double held_back, double spring)
 {
-    set_offset_time(local, period, spring);
+    const double against = stiffness_against(local, spring);
+    set_offset_time(local, period, against);
     const double usual = local->offset_time;
     local->min_offset_time = fmax(held_back * HELD_BACK_OFFSET_TIME,
                                   local->min_offset_time * exp(-period / HELD_BACK_RECOVERY_TIME));
@@ -155,12 +181,13 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double held_
     const double factor = exp(-period / usual);
     const double kept = exp(-period / fmax(usual, local->min_offset_time));
     const double drift = 1.0 - exp(-period / DRIFT_TIME);
+    const double share = held_back < 1.0 ? mean_share(local, against) : 1.0;
     for (int32_t i = 0; i < local->count; ++i) {
         ss_local_contact_point *c = &local->contact[i];
         /* `last_force` follows: it is what the local contact model says now at the last proxy,
          * and what an update must keep. Kept with the old offset, results at every tick would never
          * be let in. */
-        c->drift += (held_back < 1.0 ? 1.0 : drift) * (c->offset - c->drift);
+        c->drift += (drift + (1.0 - share) * (1.0 - drift)) * (c->offset - c->drift);
         const double lost = (1.0 - kept) * c->drift;
         c->last_force = c->last_force > 0.0 ? fmax(0.0, c->last_force - lost) : 0.0;
         c->offset -= lost;
@@ -688,7 +715,7 @@ void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *
                            const double orientation[4], const double x[3], const double p[3],
                            const double pdot[3], bool is_fresh)
 {
-    double swift = 0.0, torque[3];
+    double torque[3];
     ss_local_contact_torque(local, torque);
     const ss_local_contact old = *local;
     int32_t source[SS_MAX_CONTACTS];
@@ -711,12 +738,13 @@ void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *
     ss_local_contact_turn(local, orientation);
     const double age = (double)(tick - result->tick) * config->period;
     const double margin = age + local->result_period > SLOW_RESULTS ? 1.0 : STIFFNESS_MARGIN;
+    local->swift = 0.0;
     for (int32_t i = 0; i < local->count; ++i) {
-        swift += result->set.contact[i].swift;
+        local->swift += result->set.contact[i].swift;
     }
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_contact *from = &result->set.contact[i];
-        const double share = swift > 0.0 ? from->swift / swift : 1.0;
+        const double share = local->swift > 0.0 ? from->swift / local->swift : 1.0;
         source[i] = is_fresh ? -1 : find_old(&old, from, used);
         const ss_local_contact_point *before = source[i] >= 0 ? &old.contact[source[i]] : NULL;
         used |= before != NULL ? 1U << source[i] : 0U;

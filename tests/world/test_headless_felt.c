@@ -153,6 +153,42 @@ TEST(the_whole_reaction_is_felt)
     assert_true(is_good);
 }
 
+/* Tissue that a tool squeezes against what is held swings by itself, hardly damped, and must not be
+ * driven by the proxy: the bundled scene, whose wall is 10 mm thick, under a hand that stands
+ * still.
+ */
+TEST(tissue_against_a_wall_does_not_swing)
+{
+    static const double touch = 0.046, depth = 0.014;
+    enum { PRESS = 400, HOLD = 1000, LOOK = 300 };
+    softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    config.import_program = BIN_DIR "/softsim-import";
+    softsim_world *world =
+        softsim_create(SOURCE_DIR "/server/scenes/ed0-tissue.yaml", &config, &error);
+    assert_non_null(world);
+    double least = INFINITY, most = 0.0, mean = 0.0, step = 0.0, last = 0.0;
+    for (int n = 0; n < PRESS + HOLD; ++n) {
+        const double z = touch + 0.004 - (depth + 0.004) * smooth((double)n / PRESS);
+        const double x[3] = {0.0, 0.0, z};
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        if (n >= PRESS + HOLD - LOOK) {
+            least = fmin(least, force.force[2]);
+            most = fmax(most, force.force[2]);
+            mean += force.force[2] / LOOK;
+            step = fmax(step, fabs(force.model_force[2] - last));
+        }
+        last = force.model_force[2];
+    }
+    print_message("%.3f N, %.3f to %.3f under a still hand, reaction %.3f a tick\n", mean, least,
+                  most, step);
+    assert_true(mean > 1.0);
+    assert_true(most - least <= FELT * mean);
+    assert_true(step <= STEP * mean);
+    softsim_destroy(&world);
+}
+
 int main(void)
 {
     return run_all_tests(make_folder, remove_folder);
