@@ -9,11 +9,11 @@
 #include "rt/hash.h"
 #include "rt/vec.h"
 
-/* The depth that what is near is told for: of the tool's way in a step, and of R at least. The
- * contact a tenth of R deep in place of it was up to 15 times too stiff for the first touches of a
- * hand that goes a fiftieth of R. Less than 0.35 is too soft for a chain mail at 300 Hz, more too
- * stiff for a hand that turns back within a step; so is 0.015 of R for those who hardly touch. */
-#define TOUCH_WAY   0.35
+/* The depth that what is near is told for: of the tool's way in a step, for the law is used as far
+ * before as behind the place that a step was predicted to, and of R at least. The contact a tenth
+ * of R deep in place of it was up to 15 times too stiff for the first touches of a hand that goes a
+ * fiftieth of R; with 0.015 of R at least, hands that hardly touch are better off without a law. */
+#define TOUCH_WAY   0.5
 #define LEAST_TOUCH 0.007
 
 /* ---- set-up ---- */

@@ -132,16 +132,16 @@ static double force_at_rest(double contact_stiffness, double depth)
     return set.force[2];
 }
 
-/* What a tool near the tissue is told is the stiffness of a touch as deep as it would go, a third
+/* What a tool near the tissue is told is the stiffness of a touch as deep as it would go, half
  * of its way in a step: that of a tenth of its radius was up to 15 times too much. */
 TEST(a_touch_to_come_is_as_stiff_as_it_will_be_deep)
 {
-    static const double way[] = {1.5e-3, 3e-3};
+    static const double way[] = {1e-3, 2e-3};
     const double contact_stiffness = 1e5;
     for (size_t k = 0; k < sizeof way / sizeof *way; ++k) {
         bench b;
         ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
-        const double top = 0.03 + ball.radius + 1e-3, depth = way[k] / 3.0;
+        const double top = 0.03 + ball.radius + 1e-3, depth = 0.5 * way[k];
         const double secant = force_at_rest(contact_stiffness, depth) / depth;
         bench_with_ball(&b);
         b.s.plan.contact_stiffness = contact_stiffness;
