@@ -52,8 +52,6 @@
 
 #include "rt/vec.h"
 
-/* Stiffest coupling, N/m: stiffer gains nothing that a hand feels and costs digits. */
-#define MAX_COUPLING_STIFFNESS 20000.0
 /* m: a slip, L c, beyond this is none: the local contact model has no stiffness against the force.
  */
 #define MAX_SLIP 10.0
@@ -105,7 +103,7 @@ double ss_max_eigenvalue3(double m[3][3])
 double ss_coupling_spring(double limit, double k)
 {
     const double compliance = 1.0 / limit - (k > 0.0 ? 1.0 / k : 0.0);
-    return 1.0 / fmax(1.0 / MAX_COUPLING_STIFFNESS, compliance);
+    return 1.0 / fmax(1.0 / SS_MAX_COUPLING_STIFFNESS, compliance);
 }
 
 /* The coupling's spring: `along` the axis, `across` it. */

@@ -234,12 +234,22 @@ double ss_coupling_spring(double limit, double k);
 /* x of A x = b, A symmetric positive definite. */
 void ss_cholesky_solve3(double a[3][3], const double b[3], double out[3]);
 
+/* Stiffest coupling, N/m: stiffer gains nothing that a hand feels and costs digits. */
+#define SS_MAX_COUPLING_STIFFNESS 20000.0
+
 /* ---- yield.c ---- */
+
+enum { SS_YIELD_PIECES = 200 }; /* of the spring's compliance, from 1/20000 to 1 m/N, 5 % each */
 
 typedef struct ss_yield {
     double spring;     /* N/m, K_c */
     double rest[3];    /* m, r: where it is without force, from the hand's point (slip.c) */
     double stretch[3]; /* m, s: from there to the proxy */
+    double load;       /* N, on the spring, within the limit */
+    /* Of this contact: the mean F^2 (N^2) that each piece of the compliance was taken under, and
+     * what may be given back beyond it, J. */
+    double paid[SS_YIELD_PIECES], credit;
+    bool has_paid;
 } ss_yield;
 
 /* The spring is without force at the hand; its stiffness stays. */
@@ -249,8 +259,8 @@ void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, bool is
                      double period);
 /* dF/dx along unit `n` that the hand feels of tissue with this tensor. */
 double ss_yield_felt(const ss_yield *yield, double tissue[3][3], const double n[3]);
-/* Where a balance left the proxy, the hand's point being at `hand`. */
-void ss_yield_take(ss_yield *yield, const double hand[3], const double proxy[3]);
+/* Where a balance within `limit` (N) left the proxy, the hand's point being at `hand`. */
+void ss_yield_take(ss_yield *yield, const double hand[3], const double proxy[3], double limit);
 
 /* ---- slip.c ---- */
 

@@ -16,6 +16,14 @@
  * Stiffer it becomes slowly: a loaded spring that stiffens pushes the hand out. At once, like the
  * way down, it gave taps on viscous tissue 0.7 mJ that it now takes 1.4 mJ from.
  *
+ * And only as far as that was paid for. Under a load F a change of the compliance C = 1/K_c takes
+ * F^2/2 dC from the hand, or gives it as much, and k is another one at every place: deep in from
+ * stiff tissue to soft, and further out back again, gave a hand beside a kidney's hilum 11 mJ every
+ * turn. So each piece of C remembers the F^2 that it was taken under (its mean), and gives back no
+ * more, but for half a millijoule that is paid back by what later gives back less. A piece that is
+ * not paid for stays soft until the load is less, or the contact over. In and out the same way
+ * gives back all; no closed path gives more than it took.
+ *
  * In a grasp it softens as slowly: the tissue that is held changes its stiffness with every result,
  * and a spring that follows each drop at once and comes back slowly ends at the softest of them.
  * Elements that are drawn then swing against it (a box of ed0-tissue held still: 2 N from tick to
@@ -25,22 +33,76 @@
  * k differs on the way in and out.
  */
 #include "haptic/internal.h"
+
+#include <string.h>
+
 #include "rt/vec.h"
 
-#define STIFFEN_RATE 5.0   /* 1/s: K_c in contact grows by e^(5 T) a tick at most */
-#define REST_TIME    0.020 /* s */
-#define NEGLIGIBLE   1e-9  /* m */
+#define STIFFEN_RATE 5.0    /* 1/s: K_c in contact grows by e^(5 T) a tick at most */
+#define REST_TIME    0.020  /* s */
+#define NEGLIGIBLE   1e-9   /* m */
+#define PIECE        0.05   /* of ln C */
+#define CREDIT       0.5e-3 /* J */
 
 void ss_yield_clear(ss_yield *yield)
 {
     ss_set3(yield->rest, 0.0, 0.0, 0.0);
     ss_set3(yield->stretch, 0.0, 0.0, 0.0);
+    yield->load = 0.0;
 }
 
-void ss_yield_take(ss_yield *yield, const double hand[3], const double proxy[3])
+void ss_yield_take(ss_yield *yield, const double hand[3], const double proxy[3], double limit)
 {
     ss_sub3(yield->stretch, proxy, hand);
     ss_sub3(yield->stretch, yield->stretch, yield->rest);
+    yield->load = fmin(limit, yield->spring * ss_norm3(yield->stretch));
+}
+
+/* m/N: where a piece of the compliance begins. */
+static double piece_start(int piece)
+{
+    return exp(PIECE * piece) / SS_MAX_COUPLING_STIFFNESS;
+}
+
+static int piece_of(double compliance)
+{
+    const double piece = log(compliance * SS_MAX_COUPLING_STIFFNESS) / PIECE;
+    return (int)fmin(SS_YIELD_PIECES - 1, fmax(0.0, piece));
+}
+
+/* The spring goes to K_c `to`, softer; the pieces on the way remember the load. */
+static void soften(ss_yield *yield, double to)
+{
+    double at = 1.0 / yield->spring;
+    const double end = 1.0 / to, square = yield->load * yield->load;
+    for (int piece = piece_of(at); at < end; ++piece) {
+        const double start = fmin(at, piece_start(piece));
+        const double next =
+            piece == SS_YIELD_PIECES - 1 ? end : fmin(end, fmax(at, piece_start(piece + 1)));
+        if (next > at) {
+            const double sum = yield->paid[piece] * (at - start) + square * (next - at);
+            yield->paid[piece] = sum / (next - start);
+            at = next;
+        }
+    }
+    yield->spring = to;
+}
+
+/* The spring goes to K_c `to`, stiffer, or as far as it is paid for. */
+static void stiffen(ss_yield *yield, double to)
+{
+    double at = 1.0 / yield->spring;
+    const double end = 1.0 / to, square = yield->load * yield->load;
+    bool is_paid = true;
+    for (int piece = piece_of(at); at > end && is_paid; --piece) {
+        const double next = piece == 0 ? end : fmax(end, fmin(at, piece_start(piece)));
+        const double lacking = 0.5 * (square - yield->paid[piece]);
+        is_paid = lacking * (at - next) <= yield->credit;
+        const double way = is_paid ? at - next : yield->credit / lacking;
+        yield->credit = fmax(0.0, fmin(CREDIT, yield->credit - lacking * way));
+        at -= way;
+    }
+    yield->spring = is_paid ? to : 1.0 / at;
 }
 
 void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, bool is_grasping,
@@ -52,12 +114,21 @@ void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, bool is
     }
     if (!is_in_contact) {
         yield->spring = wanted;
+        if (yield->has_paid) {
+            memset(yield->paid, 0, sizeof yield->paid);
+        }
+        yield->has_paid = false;
+        yield->credit = CREDIT;
         return;
     }
     const double before = yield->spring;
     const double pace = exp(STIFFEN_RATE * period);
-    yield->spring = fmin(before * pace, is_grasping ? fmax(before / pace, wanted) : wanted);
-    if (yield->spring < before) {
+    const double next = fmin(before * pace, is_grasping ? fmax(before / pace, wanted) : wanted);
+    if (next > before) {
+        stiffen(yield, next);
+    } else if (next < before) {
+        soften(yield, next);
+        yield->has_paid = true;
         ss_madd3(yield->rest, yield->rest, 1.0 - before / yield->spring, yield->stretch);
     }
 }

@@ -152,6 +152,64 @@ TEST(a_grasp_softens_as_slowly_as_it_stiffens)
     }
 }
 
+/* Both ends of the spring go on closed paths: what it hands out there, J. The stretch swings
+ * between `least` and `most`, K_c between 300 and 600 N/m, `phase` turns behind. */
+static double turn_energy(ss_yield *yield, double least, double most, double phase,
+                          double *out_most)
+{
+    static const double hand[3] = {0.0, 0.0, 0.0};
+    const int ticks = 2000;
+    double energy = 0.0, before = NAN;
+    *out_most = 0.0;
+    for (int i = 0; i <= ticks; ++i) {
+        const double turn = (double)i / ticks;
+        const double way = 0.5 * (least + most) - 0.5 * (most - least) * cos(6.283185307 * turn);
+        const double softness = 0.5 + 0.5 * cos(6.283185307 * (turn - phase));
+        const double proxy[3] = {0.0, 0.0, way};
+        const double force = yield->spring * (way - yield->rest[2]);
+        *out_most = fmax(*out_most, 0.5 * force * force / yield->spring);
+        if (i > 0) {
+            const double last =
+                0.5 * (least + most) - 0.5 * (most - least) * cos(6.283185307 * (i - 1.0) / ticks);
+            energy -= 0.5 * (force + before) * (way - last);
+        }
+        ss_yield_take(yield, hand, proxy, 100.0);
+        ss_yield_follow(yield, 300.0 * pow(2.0, 1.0 - softness), true, false, T);
+        before = yield->spring * (way - yield->rest[2]);
+    }
+    return energy;
+}
+
+/* A spring that follows the tissue's stiffness makes nothing on any closed path, turn by turn; and
+ * where it goes the same way back it takes next to nothing either. */
+TEST(no_closed_path_gives_energy)
+{
+    for (int k = 0; k < 8; ++k) {
+        ss_yield yield = {.spring = 300.0};
+        const ss_yield start = yield;
+        double sum = 0.0, worst = -INFINITY, stored = 0.0;
+        ss_yield_follow(&yield, start.spring, false, false, T); /* before the touch */
+        for (int n = 0; n < 6; ++n) {
+            const double energy = turn_energy(&yield, 4e-3, 16e-3, k / 8.0, &stored);
+            /* The first begins unloaded. */
+            sum += n > 0 ? energy : 0.0;
+            worst = fmax(worst, n > 0 ? energy : worst);
+        }
+        print_message("%d/8 turn behind: %.2f mJ in five turns, %.2f in one at most, of %.1f\n", k,
+                      1e3 * sum, 1e3 * worst, 1e3 * stored);
+        assert_true(worst < 0.05 * stored && sum < 1e-3);
+    }
+    ss_yield yield = {.spring = 600.0};
+    double sum = 0.0, stored = 0.0;
+    ss_yield_follow(&yield, 600.0, false, false, T);
+    for (int n = 0; n < 4; ++n) {
+        sum = turn_energy(&yield, 4e-3, 16e-3, 0.5, &stored);
+    }
+    print_message("to and fro: %.2f mJ of %.1f\n", 1e3 * sum, 1e3 * stored);
+    assert_true(fabs(sum) < 0.05 * stored);
+    assert_true(yield.spring > 580.0); /* it has come back */
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);

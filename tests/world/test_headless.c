@@ -50,6 +50,58 @@ TEST(two_tools_close_together_keep_the_energy_balance)
     softsim_destroy(&world);
 }
 
+/* Beside the hilum, where the tissue's stiffness changes along the surface: in at one place, out
+ * again at another, and back, 1.2 s a turn, both ways round. A hand is given no energy by it, be
+ * the device silent about the forces it had or not. */
+TEST(a_closed_path_beside_the_hilum_gives_no_energy)
+{
+    static const double touch[3] = {-0.0098092, -0.0133178, 0.0228269};
+    static const double in[3] = {-0.0510048, 0.5174279, -0.8542054};
+    static const double aside[3] = {0.0, 0.8553187, 0.5181022};
+    /* m: depth and way aside at the corners, both ways round from the first. */
+    static const double corner[4][2] = {{0.016, 0.0}, {0.016, 0.010}, {0.006, 0.010}, {0.006, 0.0}};
+    enum { ENTRY = 500, SIDE = 300, TURNS = 3, END = ENTRY + TURNS * 4 * SIDE };
+    SKIP_WHERE_REPEATED();
+    for (int way = 0; way < 3; ++way) {
+        softsim_world *world = make_world(1, NULL, 0);
+        softsim_force force[SOFTSIM_MAX_PROBES];
+        double last[3] = {0}, before[3] = {0}, given = 0.0, stored = 0.0, turn[TURNS] = {0};
+        int32_t seq = -1;
+        for (int32_t k = 0; k <= END; ++k) {
+            const int32_t n = k < ENTRY ? 0 : (k - ENTRY) / SIDE;
+            const int from = way == 1 ? (4 - n % 4) % 4 : n % 4;
+            const int to = way == 1 ? (from + 3) % 4 : (from + 1) % 4;
+            const double u = k < ENTRY ? 0.0 : smooth((double)(k - ENTRY - n * SIDE) / SIDE);
+            double deep = corner[from][0] + u * (corner[to][0] - corner[from][0]);
+            const double side = corner[from][1] + u * (corner[to][1] - corner[from][1]);
+            deep = k < ENTRY ? -0.004 + 0.020 * smooth((double)k / ENTRY) : deep;
+            double x[3];
+            for (int a = 0; a < 3; ++a) {
+                x[a] = touch[a] + deep * in[a] + side * aside[a];
+            }
+            softsim_pose pose = pose_at(0, k + 1, x[0], x[1], x[2]);
+            pose.force_seq = way == 2 ? seq : -1;
+            const int32_t channel = 0;
+            softsim_tick(world, &pose, &channel, 1, force);
+            seq = force[0].seq;
+            for (int a = 0; k > 0 && a < 3; ++a) {
+                const double work = 0.5 * (force[0].force[a] + before[a]) * (x[a] - last[a]);
+                given += work;
+                turn[n / 4 < TURNS ? n / 4 : TURNS - 1] += k > ENTRY ? work : 0.0;
+            }
+            stored = fmax(stored, -given);
+            memcpy(last, x, sizeof last);
+            memcpy(before, force[0].force, sizeof before);
+        }
+        print_message("way %d: the hand was given %.2f, %.2f, %.2f mJ a turn, stored %.1f\n", way,
+                      1e3 * turn[0], 1e3 * turn[1], 1e3 * turn[2], 1e3 * stored);
+        for (int n = 0; n < TURNS; ++n) {
+            assert_true(turn[n] <= fmax(1e-3, 0.05 * stored));
+        }
+        softsim_destroy(&world);
+    }
+}
+
 /* Found 10 mm inside, the tool is let in by fading: no force at first, then that of the place. */
 TEST(a_tool_found_inside_is_let_in_over_half_a_second)
 {
