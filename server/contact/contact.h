@@ -319,4 +319,5 @@ typedef struct ss_proxy_target {
     /* As far as the law answers, the tissue presses back with the force limit `room` m (infinite:
      * no tissue is near) against `outward` (unit) of the proxy. */
     double outward[3], room;
+    double turn[3]; /* rad/s, of a tool with extent */
 } ss_proxy_target;

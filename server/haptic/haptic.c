@@ -110,8 +110,7 @@ static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
     if (is_new_holder || is_return) {
         ss_motion_rest(&haptic->motion);
     } else {
-        ss_motion_take(&haptic->motion, haptic->pose.position, pose,
-                       pose_interval(haptic, pose, tick));
+        ss_motion_take(&haptic->motion, &haptic->pose, pose, pose_interval(haptic, pose, tick));
     }
     if (is_new_epoch && !is_new_holder && !haptic->is_returning) {
         haptic->is_returning = true;
@@ -563,6 +562,11 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     ss_madd3(target->velocity, v, (led - 1.0) * ss_dot3(v, out), out);
     target->room =
         ss_local_contact_room(&haptic->local, haptic->p, haptic->slip.limit, target->outward);
+    if (haptic->config.tool_gyration > 0.0 && held_pose(haptic) == &haptic->pose) {
+        ss_copy3(target->turn, haptic->motion.turn);
+    } else {
+        ss_set3(target->turn, 0.0, 0.0, 0.0);
+    }
     ss_motion_acceleration(&haptic->motion, target->acceleration);
     const double along = ss_dot3(target->acceleration, out);
     ss_madd3(target->acceleration, target->acceleration, (led - 1.0) * along, out);

@@ -79,6 +79,9 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
  * most 3 mm from p, and no deeper than the force limit goes. Thread: simulation; RT-safe. */
 void ss_haptic_predict(const ss_proxy_target *target, double lag_periods, double period,
                        double out_position[3]);
+/* And how it will be turned then. */
+void ss_haptic_predict_turn(const ss_proxy_target *target, double lag_periods, double period,
+                            double out_orientation[4]);
 
 /* FNV-1a 64 of the whole state, for the lockstep hash. RT-safe. */
 uint64_t ss_haptic_hash(const ss_haptic *haptic, uint64_t seed);

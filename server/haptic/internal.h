@@ -51,11 +51,12 @@ bool ss_haptic_is_result_sound(const ss_simulation_result *result, int64_t tick)
 typedef struct ss_motion {
     double v[3];      /* m/s, of the hand */
     double mean_v[3]; /* v, smoothed: what v is ahead of it is acceleration */
+    double turn[3];   /* rad/s, of the tool */
 } ss_motion;
 
 void ss_motion_rest(ss_motion *motion);
-/* A pose `elapsed` s after one at `last`. */
-void ss_motion_take(ss_motion *motion, const double last[3], const softsim_pose *pose,
+/* A pose `elapsed` s after the `last`. */
+void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_pose *pose,
                     double elapsed);
 void ss_motion_acceleration(const ss_motion *motion, double out[3]);
 

@@ -136,6 +136,19 @@ static inline void ss_rotate_back(double out[3], const double q[4], const double
     ss_rotate(out, conjugate, v);
 }
 
+/* out = `q` (w x y z) turned by the rotation vector `turn` in the world. */
+static inline void ss_turn(const double q[4], const double turn[3], double out[4])
+{
+    const double angle = ss_norm3(turn), w = cos(0.5 * angle);
+    double v[3], cross[3];
+    ss_scale3(v, turn, angle > 0.0 ? sin(0.5 * angle) / angle : 0.5);
+    ss_cross3(cross, v, q + 1);
+    out[0] = w * q[0] - ss_dot3(v, q + 1);
+    for (int k = 0; k < 3; ++k) {
+        out[k + 1] = w * q[k + 1] + q[0] * v[k] + cross[k];
+    }
+}
+
 /* The rotation vector from orientation `a` to `b` (w x y z), the shorter way round, in the world:
  * of b a*. */
 static inline void ss_turn_between(const double a[4], const double b[4], double out[3])

@@ -160,7 +160,7 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
         return (ss_model_tool){.is_present = false};
     }
     ss_haptic_predict(target, LAG_PERIODS, world->step_period, tool.to.position);
-    memcpy(tool.to.orientation, target->orientation, sizeof tool.to.orientation);
+    ss_haptic_predict_turn(target, LAG_PERIODS, world->step_period, tool.to.orientation);
     if (probe->is_found_inside) {
         tool.to = probe->last;
     } else if (is_same) {

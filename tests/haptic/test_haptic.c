@@ -532,6 +532,31 @@ TEST(tool_turns_with_the_hand)
     rig_end(&r);
 }
 
+/* And so does its turn: a tool that turns at w is by w (lag + 1/2) h further when the step ends. */
+TEST(a_turn_goes_on_through_a_step)
+{
+    const double w = 2.0, axis[3] = {0.0, 0.6, 0.8};
+    double ahead[4], turn[3];
+    ss_haptic_config config = default_config();
+    config.tool_gyration = 0.005;
+    rig r;
+    rig_start(&r, &config);
+    for (int i = 0; i <= 200; ++i) {
+        const double angle = w * i * T;
+        r.pose.orientation[0] = cos(0.5 * angle);
+        ss_scale3(r.pose.orientation + 1, axis, sin(0.5 * angle));
+        rig_tick(&r, 1e-2);
+    }
+    ss_haptic_predict_turn(&r.out.target, 1.0, 0.01, ahead);
+    ss_turn_between(r.pose.orientation, ahead, turn);
+    for (int a = 0; a < 3; ++a) {
+        assert_near(turn[a], w * 0.015 * axis[a], 1e-9);
+    }
+    ss_haptic_predict_turn(&r.out.target, 1.0, 0.0, ahead);
+    assert_memory_equal(ahead, r.pose.orientation, sizeof ahead);
+    rig_end(&r);
+}
+
 /* A coupling that is softer than the tissue lets the proxy go a part of the hand's way, and that
  * much of it is predicted: 1 m/s of the hand's is 200 / (200 + 1.15 1000) of it. */
 TEST(a_proxy_that_the_tissue_holds_back_is_predicted_so)
