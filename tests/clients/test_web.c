@@ -20,7 +20,7 @@
 #include "process/process.h"
 #include "rt/random.h"
 
-enum { TEXT = 1, BINARY = 2, CLOSE = 8, PING = 9, MESSAGE_SIZE = 1 << 20, CROWD = 100 };
+enum { TEXT = 1, BINARY = 2, CLOSE = 8, MESSAGE_SIZE = 1 << 20, CROWD = 100 };
 enum { TOPOLOGY_FRAME = 1, DELTA_FRAME = 2, FIELD_FRAME = 3, FORCE_FRAME = 4, STATE_FORCE = 17 };
 
 static process server, web;
@@ -336,7 +336,6 @@ TEST_WITH(a_browser_sees_the_body_and_pushes_it, NULL, end_web)
     while (!is_moved || !(force > 0.05F)) {
         assert_true(send_line(fd, "aim 0 0 0.006 0.0258 1 0 0 0 0"));
         size_t length = 0;
-        assert_int_equal(send_frame(fd, PING, "", 0), true);
         const int kind = hear_frame(fd, &length);
         assert_int_not_equal(kind, 0);
         is_moved = is_moved || (kind == BINARY && message[0] == DELTA_FRAME);
