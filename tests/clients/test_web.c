@@ -522,8 +522,7 @@ static size_t make_request(char *out, size_t room)
         "GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
         "Sec-WebSocket-Version: 99\r\nSec-WebSocket-Key: x\r\nSec-WebSocket-Extensions: "
         "permessage-deflate; server_max_window_bits=99\r\n\r\n",
-        "OPTIONS * HTTP/1.1\r\nHost: localhost\r\nOrigin: http://attacker.example\r\nCookie: "
-        "a\r\n\r\n"};
+        "OPTIONS * HTTP/1.1\r\nHost: localhost\r\nOrigin: http://a.example\r\nCookie: a\r\n\r\n"};
     const char *kind = kinds[draw((int)(sizeof kinds / sizeof kinds[0]))];
     size_t size = strlen(kind);
     memcpy(out, kind, size);

@@ -65,7 +65,7 @@ static void book_field(const open_body *b, int32_t e, const double g[10][3], con
 }
 
 /* What lambda resists. */
-static double book_dilatation(int kind, const double h[9])
+static double book_dilatation(ss_tissue_kind kind, const double h[9])
 {
     const double t = h[0] + h[4] + h[8];
     double square = 0.0;
