@@ -528,7 +528,8 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     ss_set3(force->torque, 0.0, 0.0, 0.0);
     if (haptic->config.tool_gyration > 0.0 && size > 0.0 && is_felt) {
         ss_local_contact_torque(&haptic->local, force->torque);
-        ss_scale3(force->torque, force->torque, ss_norm3(haptic->last_undamped) / size);
+        /* While the slew holds back a force that falls, its torque may be gone. */
+        ss_scale3(force->torque, force->torque, fmin(1.0, ss_norm3(haptic->last_undamped) / size));
     }
     ss_copy3(force->model_force, haptic->model_force);
     ss_copy3(force->proxy, haptic->p);
@@ -753,7 +754,8 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         ss_local_contact_decay(
             &haptic->local, haptic->config.period,
             haptic->slip.stiffness_fraction < 1.0 ? 1.0 : ss_admission_left(&haptic->admission),
-            haptic->yield.spring + haptic->config.damping / haptic->config.period);
+            haptic->yield.spring + haptic->config.damping / haptic->config.period,
+            ss_norm3(haptic->motion.v));
         ss_local_contact_turn(&haptic->local, held_pose(haptic)->orientation);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);

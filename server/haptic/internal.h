@@ -110,6 +110,7 @@ typedef struct ss_local_contact {
     double result_period;   /* s, h */
     double step_stiffness;  /* N/m, of the last result */
     double swift;           /* N/m, all contacts' of the last result */
+    double speed;           /* m/s, that the hand had, fading */
     double offset_time;     /* s, of this tick */
     double min_offset_time; /* s, the least of the offsets' decay; left by the limit or an entry */
     /* Share of the viscosities that counts. None for a proxy that is about to jump or has: one that
@@ -166,9 +167,9 @@ typedef struct ss_rest {
 void ss_local_contact_clear(ss_local_contact *local);
 /* Lets offsets decay by one period; slower, and the viscosities fade, where the proxy is not where
  * the hand would have it: `held_back` 1 at the limit, 1 to 0 while entering. `spring` (N/m): the
- * coupling's, damper included. */
-void ss_local_contact_decay(ss_local_contact *local, double period, double held_back,
-                            double spring);
+ * coupling's, damper included; `speed` (m/s): the hand's. */
+void ss_local_contact_decay(ss_local_contact *local, double period, double held_back, double spring,
+                            double speed);
 /* The tool is held at `orientation` from now on. */
 void ss_local_contact_turn(ss_local_contact *local, const double orientation[4]);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's

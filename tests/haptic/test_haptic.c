@@ -93,7 +93,8 @@ TEST(law_errs_high)
     }
 }
 
-/* A result that disagrees by 0.5 N is not felt as a step: it comes in with tau = h/4. */
+/* A result that disagrees by 0.5 N is not felt as a step: it comes in with tau = 3 h, the hand
+ * being at rest. */
 TEST(updates_are_continuous_and_decay)
 {
     rig r;
@@ -105,9 +106,9 @@ TEST(updates_are_continuous_and_decay)
     assert_near(f, before, 1e-9);
     const double spring = ss_coupling_spring(r.out.stiffness_limit, 1.15 * 300.0);
     const double share = spring / (spring + 1.15 * 300.0);
-    for (int i = 1; i <= 40; ++i) {
+    for (int i = 1; i <= 400; ++i) {
         f = rig_tick(&r, -4e-3);
-        assert_near(f - before, share * 0.5 * (1.0 - exp(-i * T / 0.004)), 5e-3);
+        assert_near(f - before, share * 0.5 * (1.0 - exp(-i * T / 0.048)), 5e-3);
     }
     assert_near(f - before, share * 0.5, 1e-3);
     /* A normal that turns, and a contact that vanishes, do not jump either. */
@@ -317,6 +318,8 @@ TEST(a_touch_that_is_found_at_rest_is_let_in)
     for (int every = 1; every <= 16; every *= 4) {
         rig r;
         rig_begin(&r);
+        r.pose.velocity[0] =
+            (double)NAN; /* not told, as a hand that came at that speed was at rest */
         double f = 0.0;
         for (int i = 0; i < 4; ++i) {
             rig_result(&r, 300.0, -1e-3, 1);
