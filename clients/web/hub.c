@@ -390,16 +390,22 @@ static void *run(void *argument)
 
 /* ---- opening ---- */
 
+void ss_hub_stop(ss_hub *hub)
+{
+    if (hub != NULL && hub->has_thread) {
+        atomic_store(&hub->is_ending, true);
+        pthread_join(hub->thread, NULL);
+        hub->has_thread = false;
+    }
+}
+
 void ss_hub_close(ss_hub **hub)
 {
     ss_hub *h = *hub;
     if (h == NULL) {
         return;
     }
-    atomic_store(&h->is_ending, true);
-    if (h->has_thread) {
-        pthread_join(h->thread, NULL);
-    }
+    ss_hub_stop(h);
     if (h->log != NULL) {
         end_recording(h);
     }

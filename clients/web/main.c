@@ -128,7 +128,8 @@ int main(int argc, char **argv)
                 o.token != NULL ? o.token : "");
         result = serve_on(program, serve, hub, o.duration_s);
     }
-    ss_serve_close(&serve); /* first: its browsers are forgotten by the hub */
+    ss_hub_stop(hub);       /* its thread wakes the other */
+    ss_serve_close(&serve); /* its browsers are forgotten by the hub */
     ss_hub_close(&hub);
     if (is_own_folder) {
         rmdir(folder);

@@ -61,14 +61,39 @@ static bool is_same(const char *a, const char *b)
     return differ == 0;
 }
 
+/* Of this port: cookies know hosts only. */
+static void name_cookie(const ss_serve *serve, char out[32])
+{
+    (void)snprintf(out, 32, "softsim_%d", (int)ss_serve_port(serve));
+}
+
+/* In the address, or in the cookie that the page came with: what it is made of, and recordings, are
+ * asked for without an address of their own. */
 static bool has_token(const ss_serve *serve, struct lws *wsi)
 {
-    char value[sizeof serve->token + 8] = "";
+    char value[sizeof serve->token + 8] = "", name[32];
+    size_t size = sizeof value;
     if (serve->token[0] == '\0') {
         return true;
     }
     const char *given = lws_get_urlarg_by_name(wsi, "token=", value, sizeof value);
+    if (given == NULL) {
+        name_cookie(serve, name);
+        given = lws_http_cookie_get(wsi, name, value, &size) == 0 ? value : NULL;
+    }
     return given != NULL && is_same(given, serve->token);
+}
+
+/* No script reads it, no other page sends it. */
+static int add_cookie(const ss_serve *serve, struct lws *wsi, unsigned char **at,
+                      unsigned char *end)
+{
+    char name[32], cookie[sizeof serve->token + 96];
+    name_cookie(serve, name);
+    const int length = snprintf(cookie, sizeof cookie, "%s=%s; Path=/; HttpOnly; SameSite=Strict",
+                                name, serve->token);
+    return lws_add_http_header_by_name(
+        wsi, (const unsigned char *)"set-cookie:", (const unsigned char *)cookie, length, at, end);
 }
 
 /* Does HOST[:PORT] name this machine's loopback? */
@@ -117,12 +142,13 @@ static int refuse(struct lws *wsi, unsigned code)
                : 0;
 }
 
-static int begin_file(struct lws *wsi, browser *b, const ss_page_file *file)
+static int begin_file(const ss_serve *serve, struct lws *wsi, browser *b, const ss_page_file *file)
 {
     unsigned char head[LWS_PRE + 2048];
     unsigned char *at = head + LWS_PRE, *end = head + sizeof head - 1;
     if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, file->type,
                                     (lws_filepos_t)(file->end - file->begin), &at, end) != 0 ||
+        (serve->token[0] != '\0' && add_cookie(serve, wsi, &at, end) != 0) ||
         lws_finalize_write_http_header(wsi, head + LWS_PRE, &at, end) != 0) {
         return -1;
     }
@@ -167,7 +193,7 @@ static int serve_file(ss_serve *serve, struct lws *wsi, browser *b)
     }
     const ss_page_file *file = ss_page_find(path);
     if (file != NULL) {
-        return begin_file(wsi, b, file);
+        return begin_file(serve, wsi, b, file);
     }
     const char *recording = strncmp(path, recordings, sizeof recordings - 1) == 0
                                 ? ss_hub_recording(serve->hub, path + sizeof recordings - 1)

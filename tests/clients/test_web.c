@@ -308,6 +308,12 @@ TEST_WITH(beyond_loopback_only_with_the_token, NULL, end_web)
     assert_int_equal(get("/", ""), 403);
     assert_int_equal(get("/?token=a-secret-of-other", ""), 403);
     assert_int_equal(get("/?token=a-secret-of-ours", ""), 200);
+    /* What the page is made of comes with the page's cookie, and not without. */
+    char cookie[80];
+    snprintf(cookie, sizeof cookie, "Cookie: a=b; softsim_%d=a-secret-of-ours\r\n", port);
+    assert_int_equal(get("/app.js", ""), 403);
+    assert_int_equal(get("/app.js", cookie), 200);
+    assert_int_equal(get("/app.css", cookie), 200);
     close(upgrade("/ws", "", &status));
     assert_int_equal(status, 403);
     close(upgrade("/ws?token=a-secret-of-ours", "", &status));
