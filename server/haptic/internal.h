@@ -170,8 +170,6 @@ void ss_local_contact_clear(ss_local_contact *local);
  * coupling's, damper included; `speed` (m/s): the hand's. */
 void ss_local_contact_decay(ss_local_contact *local, double period, double held_back, double spring,
                             double speed);
-/* The tool is held at `orientation` from now on. */
-void ss_local_contact_turn(ss_local_contact *local, const double orientation[4]);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
 void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *result,
@@ -216,11 +214,18 @@ void ss_local_contact_force(const ss_local_contact *local, double out[3]);
 /* What `hold` and `linear` hand out in its place. */
 void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic_config *config,
                                   int64_t tick, double out[3]);
-/* Torque of the last tick's forces about the tool's origin. */
-void ss_local_contact_torque(const ss_local_contact *local, double out[3]);
 int32_t ss_local_contact_active_count(const ss_local_contact *local);
 /* What results and ticks have left in it. */
 uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash);
+
+/* ---- local_torque.c ---- */
+
+/* The tool is held at `orientation` from now on. */
+void ss_local_contact_turn(ss_local_contact *local, const double orientation[4]);
+/* Torque of the last tick's forces about the tool's origin. */
+void ss_local_contact_torque(const ss_local_contact *local, double out[3]);
+/* What an update or a grasp changed of the torque, which was `before`, decays. */
+void ss_local_contact_keep_torque(ss_local_contact *local, const double before[3]);
 
 /* ---- coupling.c ---- */
 

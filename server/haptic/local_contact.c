@@ -53,7 +53,6 @@
 #define SLOW_RESULTS                                                                               \
     0.060 /* s: with results this old k = k_n, the margin costs more than it gives */
 #define PATCH_REACH         0.005 /* m, |D| */
-#define TURN_REACH          0.5   /* rad, |theta| */
 #define RELEASED_FORCE_TIME 0.010 /* s */
 /* s, tau = h/4 within these. With 2 ms as the least, results at 300 to 1000 Hz let the inertia of a
  * stiff contact into the hand a few ticks late, and fast taps hand out 0.8 to 2.5 mJ; with 4 ms at
@@ -224,15 +223,6 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double held_
     decay3(local->released, exp(-period / RELEASED_FORCE_TIME), NEGLIGIBLE);
 }
 
-void ss_local_contact_turn(ss_local_contact *local, const double orientation[4])
-{
-    ss_set3(local->turn, 0.0, 0.0, 0.0);
-    if (local->has_torque) {
-        ss_turn_between(local->orientation, orientation, local->turn);
-        (void)ss_clamp_norm3(local->turn, TURN_REACH);
-    }
-}
-
 /* Height of the patch over its plane at x, and the bent normal. */
 static double bend(const ss_local_contact *local, const ss_local_contact_point *c,
                    const double x[3], double out_direction[3])
@@ -323,48 +313,6 @@ void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
         ss_madd3(out, out, extrapolated_force(local, c, config, tick), c->direction);
-    }
-}
-
-/* The model's own torque as of the result, and what the law has changed since: without the offsets,
- * which keep the proxy still and would let the torque come late, but no more than they leave of the
- * force. */
-void ss_local_contact_torque(const ss_local_contact *local, double out[3])
-{
-    const ss_local_contact_grasp *grasp = &local->grasp;
-    double own = 0.0, felt = ss_norm3(local->residual), laws[3] = {0.0, 0.0, 0.0}, arm[3],
-           torque[3];
-    ss_madd3(out, local->residual_torque, local->other.share, local->other.model_torque);
-    if (grasp->is_held) {
-        double since[3];
-        ss_sub3(since, grasp->last_force, grasp->force);
-        ss_sub3(arm, local->count > 0 ? local->contact[0].point : local->proxy, local->proxy);
-        ss_cross3(torque, arm, since);
-        ss_add3(out, out, grasp->torque);
-        ss_add3(out, out, torque);
-        return;
-    }
-    for (int32_t i = 0; i < local->count; ++i) {
-        const ss_local_contact_point *c = &local->contact[i];
-        const double force = fmax(0.0, c->last_force - c->offset);
-        ss_sub3(arm, c->point, local->proxy);
-        ss_cross3(torque, arm, c->direction);
-        ss_madd3(laws, laws, force, torque);
-        own += force;
-        felt += c->last_force;
-    }
-    /* Sums of sizes: contacts that press against each other are felt little and may say much. */
-    ss_madd3(out, out, felt < own ? felt / own : 1.0, laws);
-}
-
-/* What has changed of the torque, which was `before`, decays. */
-static void keep_torque(ss_local_contact *local, const double before[3])
-{
-    ss_set3(local->residual_torque, 0.0, 0.0, 0.0);
-    if (local->has_torque) {
-        double now[3];
-        ss_local_contact_torque(local, now);
-        ss_sub3(local->residual_torque, before, now);
     }
 }
 
@@ -655,7 +603,7 @@ void ss_local_contact_release(ss_local_contact *local, const double x[3], const 
         c->offset = (share - 1.0) * c->last_force;
         c->last_force *= share;
     }
-    keep_torque(local, torque);
+    ss_local_contact_keep_torque(local, torque);
 }
 
 void ss_local_contact_begin(ss_local_contact *local, const double x[3], const double p[3],
@@ -778,7 +726,7 @@ void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *
         keep_force(local, &old, source, x, p, pdot);
     }
     if (!is_fresh) {
-        keep_torque(local, torque);
+        ss_local_contact_keep_torque(local, torque);
     }
 }
 
