@@ -755,7 +755,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
             &haptic->local, haptic->config.period,
             haptic->slip.stiffness_fraction < 1.0 ? 1.0 : ss_admission_left(&haptic->admission),
             haptic->yield.spring + haptic->config.damping / haptic->config.period,
-            ss_norm3(haptic->motion.v));
+            haptic->motion.speed);
         ss_local_contact_turn(&haptic->local, held_pose(haptic)->orientation);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);

@@ -52,6 +52,7 @@ typedef struct ss_motion {
     double v[3];      /* m/s, of the hand */
     double mean_v[3]; /* v, smoothed: what v is ahead of it is acceleration */
     double turn[3];   /* rad/s, of the tool */
+    double speed;     /* m/s, as fast as it was, fading */
 } ss_motion;
 
 void ss_motion_rest(ss_motion *motion);
@@ -110,7 +111,6 @@ typedef struct ss_local_contact {
     double result_period;   /* s, h */
     double step_stiffness;  /* N/m, of the last result */
     double swift;           /* N/m, all contacts' of the last result */
-    double speed;           /* m/s, that the hand had, fading */
     double offset_time;     /* s, of this tick */
     double min_offset_time; /* s, the least of the offsets' decay; left by the limit or an entry */
     /* Share of the viscosities that counts. None for a proxy that is about to jump or has: one that
@@ -167,7 +167,8 @@ typedef struct ss_rest {
 void ss_local_contact_clear(ss_local_contact *local);
 /* Lets offsets decay by one period; slower, and the viscosities fade, where the proxy is not where
  * the hand would have it: `held_back` 1 at the limit, 1 to 0 while entering. `spring` (N/m): the
- * coupling's, damper included; `speed` (m/s): the hand's. */
+ * coupling's, damper included; `speed` (m/s): the hand's,
+ * fading. */
 void ss_local_contact_decay(ss_local_contact *local, double period, double held_back, double spring,
                             double speed);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's

@@ -60,14 +60,12 @@
 #define OFFSET_TIME_MIN 0.004
 #define OFFSET_TIME_MAX 0.008
 /* Of a hand that has come to rest nothing but the simulation's own answers moves the proxy: it
- * takes this many of its periods, and half as many at STILL_SPEED (m/s; as fast as it was counts
- * for STILL_TIME, s, so that what a stop leaves is let in at once). A pointed tool lies in its
+ * takes this many of its periods, and half as many at STILL_SPEED (m/s). A pointed tool lies in its
  * dent, and what holds it sideways is stiffer than the contacts tell: at 60 Hz, with 4 ms, an
- * octahedron on chain mail goes to and fro by 0.5 N of 0.6 for ever; with 1.5 periods it swings by
- * 0.02, with 3 not at all. */
+ * octahedron on chain mail goes to and fro by 0.5 N of 0.6 for ever; with 1.5 periods and more by
+ * 0.02 or not at all. */
 #define STILL_PERIODS 3.0
 #define STILL_SPEED   0.005
-#define STILL_TIME    0.1
 /* An offset that decays moves the proxy against the coupling and the law, S together, and the next
  * result answers with up to the contact's own stiffness k_c: a loop of gain T k_c / (tau S). tau is
  * such that it is at most this, but no longer than 20 ms. On a liver's thin edge, of 200 N/m with a
@@ -138,8 +136,7 @@ static double stiffness_against(const ss_local_contact *local, double spring)
 
 static void set_offset_time(ss_local_contact *local, double period, double against, double speed)
 {
-    local->speed = fmax(speed, local->speed * exp(-period / STILL_TIME));
-    const double still = 1.0 / (1.0 + local->speed * local->speed / (STILL_SPEED * STILL_SPEED));
+    const double still = 1.0 / (1.0 + speed * speed / (STILL_SPEED * STILL_SPEED));
     const double usual =
         fmax(fmin(OFFSET_TIME_MAX, fmax(OFFSET_TIME_MIN, 0.25 * local->result_period)),
              still * STILL_PERIODS * local->result_period);

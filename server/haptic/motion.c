@@ -31,6 +31,7 @@
 #define SPEED_MAX           10.0   /* m/s: no hand is faster; bounds what a bad clock can do */
 #define TURN_MAX            20.0   /* rad/s */
 #define PREDICT_TURN_MAX    0.2    /* rad */
+#define REST_TIME           0.1    /* s: a hand that stops is not at rest at once */
 #define PREDICT_TIME_MAX    0.025  /* s */
 #define PREDICT_MOVE_MAX    0.003  /* m */
 #define ACCELERATION_CORNER 20.0   /* Hz */
@@ -44,6 +45,7 @@ void ss_motion_rest(ss_motion *motion)
     ss_set3(motion->v, 0.0, 0.0, 0.0);
     ss_set3(motion->mean_v, 0.0, 0.0, 0.0);
     ss_set3(motion->turn, 0.0, 0.0, 0.0);
+    motion->speed = 0.0;
 }
 
 void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_pose *pose,
@@ -65,6 +67,7 @@ void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_p
         }
     }
     ss_clamp_norm3(motion->v, SPEED_MAX);
+    motion->speed = fmax(ss_norm3(motion->v), motion->speed * exp(-elapsed / REST_TIME));
     const double alpha = 1.0 - exp(-TWO_PI * ACCELERATION_CORNER * elapsed);
     for (int i = 0; i < 3; ++i) {
         motion->mean_v[i] += alpha * (motion->v[i] - motion->mean_v[i]);

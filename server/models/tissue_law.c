@@ -187,6 +187,13 @@ static void isochoric_terms(double j, double *out_g1, double *out_slope, double 
     *out_bend = bend;
 }
 
+const char *ss_tissue_name(ss_tissue_kind kind)
+{
+    static const char *const name[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",
+                                                           "stable-neo-hookean", "linear"};
+    return name[kind];
+}
+
 /* Moduli of stable-neo-hookean. */
 static void stable_moduli(const ss_tissue_law *law, double *out_m, double *out_l)
 {

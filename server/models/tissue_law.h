@@ -26,6 +26,8 @@ typedef enum ss_tissue_kind {
 
 /* The names that a scene gives them, in this order. */
 #define SS_TISSUE_CHOICES "stvk-guarded|stvk|neo-hookean|stable-neo-hookean|linear"
+/* One of them. */
+const char *ss_tissue_name(ss_tissue_kind kind);
 
 /* stvk-guarded pushes back below this ratio of volumes. */
 #define SS_TISSUE_GUARD 0.65

@@ -80,8 +80,6 @@ void ss_field_list(const ss_scene *scene, const ss_model_class *model, const cha
  * calls linear turns with the body. */
 static ss_tissue_kind read_law(const ss_scene *scene, const ss_model_class *model)
 {
-    static const char *const law[] = {"stvk-guarded", "stvk", "neo-hookean", "stable-neo-hookean",
-                                      "linear"};
     const int row = find_row(model, "material");
     const char *at = row >= 0 ? model->row[row].choices : "";
     for (int i = row >= 0 ? (int)scene->param[row].number : 0; i > 0; --i) {
@@ -90,7 +88,8 @@ static ss_tissue_kind read_law(const ss_scene *scene, const ss_model_class *mode
     }
     const bool is_whole = row >= 0 && strcmp(model->row[row].choices, SS_TISSUE_CHOICES) == 0;
     for (int k = 0; k < (is_whole ? SS_TISSUE_KIND_COUNT : SS_TISSUE_LINEAR); ++k) {
-        if (strlen(law[k]) == strcspn(at, "|") && strncmp(law[k], at, strlen(law[k])) == 0) {
+        const char *name = ss_tissue_name((ss_tissue_kind)k);
+        if (strlen(name) == strcspn(at, "|") && strncmp(name, at, strlen(name)) == 0) {
             return (ss_tissue_kind)k;
         }
     }

@@ -69,17 +69,16 @@ void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double
 
 void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material, const ss_notes *out)
 {
-    static const char *const law[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",
-                                                          "stable-neo-hookean", "linear"};
     const ss_fem_stability *s = &fem->stability;
     double bytes, flops, cured = 0.0;
     ss_fem_work(fem->kind, fem->blocks.viscosity != NULL, &bytes, &flops);
     for (int32_t e = 0; e < fem->blocks.element_count; ++e) {
         cured += material->lambda_own[e] < material->lambda[e];
     }
-    ss_note_used(
-        out, "tetrahedra", "%d of %s in %d blocks of 8, %s kernels, %.0f bytes each a sweep",
-        fem->blocks.element_count, law[fem->kind], fem->blocks.count, fem->kernels->name, bytes);
+    ss_note_used(out, "tetrahedra",
+                 "%d of %s in %d blocks of 8, %s kernels, %.0f bytes each a sweep",
+                 fem->blocks.element_count, ss_tissue_name(fem->kind), fem->blocks.count,
+                 fem->kernels->name, bytes);
     if (fem->average.modulus) {
         ss_note_used(out, "locking",
                      "dilatation resisted by nodes in %.0f elements; a second sweep", cured);

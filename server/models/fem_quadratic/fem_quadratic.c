@@ -211,8 +211,6 @@ static void sweep_work(bool is_viscous, double *out_bytes, double *out_flops)
 
 static void explain(const ss_model *model, const ss_notes *out)
 {
-    static const char *const law[SS_TISSUE_KIND_COUNT] = {"stvk-guarded", "stvk", "neo-hookean",
-                                                          "stable-neo-hookean", "linear"};
     const ss_quadratic *own = &model->quadratic;
     const ss_quadratic_masses *masses = &model->quadratic.masses;
     double bytes, flops;
@@ -220,7 +218,7 @@ static void explain(const ss_model *model, const ss_notes *out)
     ss_note_used(out, "ten-node tetrahedra",
                  "%d of %s on %d nodes, of which %d are in the file, %s kernels, %.0f bytes each a "
                  "sweep where straight",
-                 own->blocks.element_count, law[own->kind], own->blocks.node_count,
+                 own->blocks.element_count, ss_tissue_name(own->kind), own->blocks.node_count,
                  model->raised.corner_count, own->kernels->name, bytes);
     if (model->raised.curved_side_count > 0) {
         ss_note_used(out, "curved sides",

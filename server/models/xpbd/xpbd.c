@@ -256,9 +256,8 @@ static void explain(const ss_model *model, const ss_notes *out)
         out, "constraints",
         "%d tetrahedra of %s in %d packs of 8 without common nodes (%.3g %% of the lanes), %s "
         "kernels",
-        model->packs.element_count,
-        model->material.kind == SS_TISSUE_NEO_HOOKEAN ? "neo-hookean" : "stable-neo-hookean",
-        model->packs.count, 100.0 * model->packs.element_count / lanes, model->kernels->name);
+        model->packs.element_count, ss_tissue_name(model->material.kind), model->packs.count,
+        100.0 * model->packs.element_count / lanes, model->kernels->name);
     const double limit = ss_fem_rest_step(model->fem);
     ss_note_used(out, "sub-steps", "at most %.4g s, one sweep each; explicit ones: %.4g s",
                  model->substep, limit);
