@@ -37,6 +37,7 @@ struct ss_haptic {
     int64_t press_tick;
     /* state: proxy and tissue */
     double p[3], pdot[3];
+    double last_x[3]; /* the pose used in the last tick */
     ss_yield yield;
     ss_slip slip;
     ss_admission admission;
@@ -292,40 +293,27 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
     return true;
 }
 
-/* The proxy stays where it is. Moved to the hand at once, the proxy would drag the nodes that the
- * model still grasps. */
-static void hold_proxy_after_grasp(ss_haptic *haptic, const double x[3], const double v[3])
-{
-    const double damping = haptic->config.damping;
-    double aside[3];
-    for (int i = 0; i < 3; ++i) {
-        double load = damping * v[i] + haptic->local.residual[i];
-        for (int32_t k = 0; k < haptic->local.count; ++k) {
-            load += haptic->local.contact[k].last_force * haptic->local.contact[k].direction[i];
-        }
-        aside[i] = haptic->p[i] - x[i] - load / haptic->yield.spring;
-    }
-    ss_slip_keep_aside(&haptic->slip, aside, haptic->config.period);
-    ss_yield_clear(&haptic->yield);
-}
-
-/* The grasp begins with the button in contact, stays only if the model holds too (a result may
- * also begin it, in use_result), and ends with the button. */
+/* The grasp begins with the button in contact, stays as long as the model holds too (a result may
+ * also begin it, in use_result), and ends with the first result of a model that does not. When the
+ * button is let go, models hold on a while, less and less: until then the hand is led by what they
+ * say, and the proxy stays: moved to the hand at once, it would drag the nodes that the model still
+ * holds, with all that the coupling has stored. */
 static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool is_fresh,
-                         const double x[3], const double v[3])
+                         const double x[3])
 {
     ss_local_contact *local = &haptic->local;
-    const bool is_refused =
+    const bool was_held = local->grasp.is_held;
+    const bool is_over =
         is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
-    if (local->grasp.is_held && (!haptic->is_pressed || is_refused)) {
+    if (was_held && is_over) {
         double at[3];
         patch_pose(haptic, x, at);
         ss_local_contact_release(local, at, haptic->p, haptic->pdot, haptic->slip.limit);
-        hold_proxy_after_grasp(haptic, x, v);
-    } else if (!local->grasp.is_held && input->tick == haptic->press_tick &&
+    } else if (!was_held && input->tick == haptic->press_tick &&
                ss_local_contact_active_count(local) > 0) {
         ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
+    haptic->slip.is_kept = was_held && (is_over || !haptic->is_pressed);
 }
 
 /* ---- coupling, balance, limits ---- */
@@ -374,6 +362,19 @@ static void update_limit(ss_haptic *haptic, int64_t tick)
     }
 }
 
+/* The coupling's force-free point goes where the proxy stays under a hand that does. */
+static void keep_proxy(ss_haptic *haptic, double limit)
+{
+    double load[3], aside[3];
+    ss_local_contact_follow_grasp(&haptic->local, haptic->p, haptic->pdot);
+    ss_local_contact_force(&haptic->local, load);
+    (void)ss_clamp_norm3(load, limit);
+    ss_yield_clear(&haptic->yield);
+    ss_sub3(aside, haptic->p, haptic->last_x);
+    ss_madd3(haptic->slip.aside, aside, -1.0 / haptic->yield.spring, load);
+    haptic->slip.is_from_grasp = true;
+}
+
 /* What the coupling wants of the proxy, and what the local contact model answers. */
 static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
                         ss_balance *balance)
@@ -385,9 +386,11 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
     double beside[3];
     ss_local_contact_follow_other(&haptic->local, config->period, slip->limit);
     ss_madd3(beside, haptic->local.residual, haptic->local.other.share, haptic->local.other.force);
-    ss_add3(balance->other, beside, haptic->local.released);
+    ss_copy3(balance->other, beside);
+    if (slip->is_kept) {
+        keep_proxy(haptic, slip->limit);
+    }
     for (int i = 0; i < 3; ++i) {
-        /* What a grasp let go leaves is felt, and does not move the proxy. */
         const double rest = x[i] + slip->aside[i] + haptic->yield.rest[i];
         const double pull = haptic->yield.spring * rest + config->damping * v[i] +
                             damper * haptic->p[i] + beside[i];
@@ -436,7 +439,7 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     ss_sub3(along, out_force, balance.other);
     ss_slip_take(&haptic->slip, &balance, &rest, along, haptic->yield.spring, config->period);
     ss_local_contact_clip_residual(local, haptic->slip.direction, ss_norm3(along));
-    ss_local_contact_force(local, out_force);
+    ss_local_contact_felt(local, out_force);
     if (config->between_steps != SS_BETWEEN_LOCAL && !local->grasp.is_held) {
         ss_local_contact_extrapolate(local, config, tick, out_force);
     }
@@ -450,6 +453,7 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     ss_sub3(haptic->pdot, rest.p, haptic->p);
     ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
     ss_copy3(haptic->p, rest.p);
+    ss_copy3(haptic->last_x, x);
     return is_cut || rest.stiffness_fraction < 1.0;
 }
 
@@ -527,7 +531,7 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
     ss_copy3(force->force, sent);
     ss_set3(force->torque, 0.0, 0.0, 0.0);
     if (haptic->config.tool_gyration > 0.0 && size > 0.0 && is_felt) {
-        ss_local_contact_torque(&haptic->local, force->torque);
+        ss_local_contact_felt_torque(&haptic->local, force->torque);
         /* While the slew holds back a force that falls, its torque may be gone. */
         ss_scale3(force->torque, force->torque, fmin(1.0, ss_norm3(haptic->last_undamped) / size));
     }
@@ -669,8 +673,11 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
     const double number[] = {haptic->slip.stiffness_fraction, haptic->slip.length,
                              haptic->admission.held_back, haptic->ramp_from,
                              haptic->passivity.share};
-    const uint8_t flag[] = {(uint8_t)haptic->slip.stay, haptic->slip.is_from_grasp,
-                            haptic->is_pressed, haptic->is_returning};
+    if (haptic->local.grasp.is_held) {
+        hash = ss_hash_bytes(hash, haptic->last_x, sizeof haptic->last_x);
+    }
+    const uint8_t flag[] = {haptic->slip.is_kept, haptic->slip.is_from_grasp, haptic->is_pressed,
+                            haptic->is_returning};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
         hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
     }
@@ -759,7 +766,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         ss_local_contact_turn(&haptic->local, held_pose(haptic)->orientation);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
-        update_grasp(haptic, input, is_fresh, x, v);
+        update_grasp(haptic, input, is_fresh, x);
         update_spring(haptic);
         update_limit(haptic, tick);
         const bool is_limited = balance_proxy(haptic, tick, x, v, undamped, whole);

@@ -100,6 +100,12 @@ typedef struct ss_local_contact_other {
     double share; /* of these, that the hand feels */
 } ss_local_contact_other;
 
+/* What was felt when a grasp ended, and its share of what is felt, decaying. */
+typedef struct ss_local_contact_released {
+    double force[3], torque[3]; /* N, N m */
+    double share;
+} ss_local_contact_released;
+
 typedef struct ss_local_contact {
     bool is_known; /* a result was taken since the proxy was placed */
     int32_t count;
@@ -128,7 +134,7 @@ typedef struct ss_local_contact {
     double residual_torque[3]; /* N m, decaying: what it changed of the torque */
     int32_t free_ticks;        /* since a contact was active, SS_RAMP_TICKS at most */
     double outward[3];         /* unit, of the force of the last one that was; 0: none yet */
-    double released[3];        /* N, decaying: the force of a grasp let go */
+    ss_local_contact_released released;
 } ss_local_contact;
 
 /* One row of the balance: F(p) = max(0, free_force - slope n.(p - p_free)). */
@@ -148,7 +154,7 @@ typedef struct ss_balance {
     double grasp_force[3]; /* N, of the grasp at p_free */
     double grasp_slope[3][3];
     /* N, R: on the hand whatever the proxy does: what decays, and what acts beside the contacts.
-     * Their shares of p_free are in it, but a grasp's, once let go: it moves nothing. */
+     * Their shares of p_free are in it. */
     double other[3];
     double limit; /* N, L > 0: of the force on the hand */
     /* Along which the spring softens, unit: the local contact model's force of the tick before; 0:
@@ -180,10 +186,13 @@ void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *
 /* The contacts begin without force: offsets hold back what would appear at once. */
 void ss_local_contact_begin(ss_local_contact *local, const double x[3], const double p[3],
                             const double pdot[3]);
-/* Starts or ends a grasp without changing the force, of which the hand felt at most `limit`. */
+/* Starts or ends a grasp without changing the force, of which the hand felt at most `limit` (N). */
 void ss_local_contact_hold(ss_local_contact *local, const double p[3], const double pdot[3]);
 void ss_local_contact_release(ss_local_contact *local, const double x[3], const double p[3],
                               const double pdot[3], double limit);
+/* Updates are in the last tick's force of a grasp, the proxy being still at `p`. */
+void ss_local_contact_follow_grasp(ss_local_contact *local, const double p[3],
+                                   const double pdot[3]);
 /* Moves what acts beside the contacts on by a period, with the limit L (N) of the whole force. */
 void ss_local_contact_follow_other(ss_local_contact *local, double period, double limit);
 /* Writes the rows of the balance for the pose used `x`, the last proxy `p` and p_free. */
@@ -210,8 +219,9 @@ void ss_local_contact_tangent(const ss_local_contact *local, double seconds, dou
  * pushes out, along the last one, nor does it draw aside. */
 void ss_local_contact_clip_residual(ss_local_contact *local, const double direction[3],
                                     double size);
-/* The sum of the last tick's forces. */
+/* The sum of the last tick's forces; and what is felt of it beside what a grasp let go left. */
 void ss_local_contact_force(const ss_local_contact *local, double out[3]);
+void ss_local_contact_felt(const ss_local_contact *local, double out[3]);
 /* What `hold` and `linear` hand out in its place. */
 void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic_config *config,
                                   int64_t tick, double out[3]);
@@ -223,8 +233,9 @@ uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash);
 
 /* The tool is held at `orientation` from now on. */
 void ss_local_contact_turn(ss_local_contact *local, const double orientation[4]);
-/* Torque of the last tick's forces about the tool's origin. */
+/* Torque of the last tick's forces about the tool's origin, and what is felt of it. */
 void ss_local_contact_torque(const ss_local_contact *local, double out[3]);
+void ss_local_contact_felt_torque(const ss_local_contact *local, double out[3]);
 /* What an update or a grasp changed of the torque, which was `before`, decays. */
 void ss_local_contact_keep_torque(ss_local_contact *local, const double before[3]);
 
@@ -278,7 +289,7 @@ typedef struct ss_slip {
     double length;       /* m, out of the tissue, beyond what the force stretches the coupling */
     double direction[3]; /* of the local contact model's force, unit or 0 */
     double aside[3];     /* m, from the hand to where the coupling is without force: it fades */
-    int32_t stay;        /* ticks in which it does not yet */
+    bool is_kept;        /* not yet: a grasp is being let go */
     bool is_from_grasp;  /* left by a grasp: the whole of it, until the force is at the limit */
 } ss_slip;
 
@@ -290,8 +301,6 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
                     double stiffness);
 /* Has a grasp that was let go left the proxy too far from the hand to come back? */
 bool ss_slip_is_lost(const ss_slip *slip);
-/* A grasp was let go with the coupling's force-free point `aside` of the hand. */
-void ss_slip_keep_aside(ss_slip *slip, const double aside[3], double period);
 /* What a balance with a coupling of `spring` leaves; `force` is the local contact model's. */
 void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
                   const double force[3], double spring, double period);

@@ -49,6 +49,14 @@ void ss_local_contact_torque(const ss_local_contact *local, double out[3])
     ss_madd3(out, out, felt < own ? felt / own : 1.0, laws);
 }
 
+void ss_local_contact_felt_torque(const ss_local_contact *local, double out[3])
+{
+    const ss_local_contact_released *released = &local->released;
+    ss_local_contact_torque(local, out);
+    ss_scale3(out, out, 1.0 - released->share);
+    ss_madd3(out, out, released->share, released->torque);
+}
+
 void ss_local_contact_keep_torque(ss_local_contact *local, const double before[3])
 {
     ss_set3(local->residual_torque, 0.0, 0.0, 0.0);

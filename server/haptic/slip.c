@@ -6,17 +6,14 @@
  * The coupling is without force where the proxy is at x + aside. At the limit the proxy slips out
  * along the local contact model's force (coupling.c); what of that slip lies across the force when
  * the force turns goes into `aside`, so that the proxy stays, and fades: in the end the force
- * points from the hand to the proxy. A grasp let go leaves all of it there: the model lets go in 20
- * ms, in which the proxy may not move. `aside` belongs to the hand's point, not to where the
- * coupling and its damper together would have the proxy: that depends on the spring, which is
- * another one in and out of contact.
+ * points from the hand to the proxy. A grasp let go leaves all of it there: until the model holds
+ * no more, some 20 ms of its time, the proxy goes with the hand and no further. `aside` belongs to
+ * the hand's point, not to where the coupling and its damper together would have the proxy: that
+ * depends on the spring, which is another one in and out of contact.
  */
 #include "haptic/internal.h"
 #include "rt/vec.h"
 
-/* s: in which a proxy that a grasp left stays: models fade the grasp out in 20 ms of their time,
- * whatever the rate of ticks. */
-#define STAY_TIME 0.025
 /* s: in which a proxy beside the hand comes over it. */
 #define ASIDE_TIME 0.1
 /* m: so far beside, it does not come over: the force goes down, and the tool begins again where the
@@ -34,7 +31,7 @@
 void ss_slip_clear(ss_slip *slip)
 {
     ss_set3(slip->aside, 0.0, 0.0, 0.0);
-    slip->stay = 0;
+    slip->is_kept = false;
     slip->is_from_grasp = false;
 }
 
@@ -63,13 +60,6 @@ bool ss_slip_is_lost(const ss_slip *slip)
     return slip->is_from_grasp && ss_norm3(slip->aside) > LOST;
 }
 
-void ss_slip_keep_aside(ss_slip *slip, const double aside[3], double period)
-{
-    ss_copy3(slip->aside, aside);
-    slip->is_from_grasp = true;
-    slip->stay = (int32_t)ceil(STAY_TIME / period - 1e-9);
-}
-
 void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
                   const double force[3], double spring, double period)
 {
@@ -79,8 +69,7 @@ void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
     const bool has_force = size > NEGLIGIBLE_FORCE;
     ss_scale3(slip->direction, force, has_force ? 1.0 / size : 0.0);
     slip->stiffness_fraction = rest->stiffness_fraction;
-    if (slip->stay > 0) {
-        --slip->stay;
+    if (slip->is_kept) {
         return;
     }
     slip->is_from_grasp = slip->is_from_grasp && !(is_limited && has_force);

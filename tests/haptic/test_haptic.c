@@ -390,9 +390,15 @@ TEST(grasp_starts_without_jump_and_holds_all_ways)
     assert_near(r.out.force.force[0], -1e-3 * 200.0 * spring / (200.0 + spring), 1e-2);
     rig_tick(&r, 2e-3);
     assert_true(r.out.force.force[2] < -0.3);
-    /* Release: the pull decays in 10 ms. */
+    /* The button ends it when the model holds no more: then the pull fades in 10 ms. */
     const double pull = r.out.force.force[2];
     r.pose.buttons = 0;
+    for (int i = 0; i < 20; ++i) {
+        assert_near(rig_tick(&r, 2e-3), pull, 0.05);
+        assert_true(r.out.force.flags & SOFTSIM_FORCE_GRASPING);
+        assert_false(r.out.target.is_grasping);
+    }
+    rig_result(&r, 300.0, -2e-3, 0);
     assert_near(rig_tick(&r, 2e-3), pull, 0.05);
     assert_false(r.out.force.flags & SOFTSIM_FORCE_GRASPING);
     for (int i = 1; i <= 10; ++i) {

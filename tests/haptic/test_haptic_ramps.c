@@ -322,19 +322,11 @@ TEST(the_hash_tells_laws_apart)
         size_t offset, size;
     } cases[] = {
 #define CASE(field) {#field, offsetof(ss_local_contact, field), sizeof((ss_local_contact){0}.field)}
-        CASE(free_ticks),
-        CASE(outward),
-        CASE(residual),
-        CASE(released),
-        CASE(min_offset_time),
-        CASE(viscosity_fraction),
-        CASE(grasp.last_force),
-        CASE(grasp.offset),
-        CASE(grasp.position),
-        CASE(grasp.is_held),
-        CASE(contact[0].last_force),
-        CASE(contact[0].offset),
-        CASE(contact[0].drift),
+        CASE(free_ticks),         CASE(outward),          CASE(residual),
+        CASE(released.force),     CASE(released.share),   CASE(min_offset_time),
+        CASE(viscosity_fraction), CASE(grasp.last_force), CASE(grasp.offset),
+        CASE(grasp.position),     CASE(grasp.is_held),    CASE(contact[0].last_force),
+        CASE(contact[0].offset),  CASE(contact[0].drift),
 #undef CASE
     };
     ss_local_contact local;

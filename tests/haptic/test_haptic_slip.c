@@ -5,26 +5,51 @@
 
 #include "haptic_fixture.h"
 
-/* Models fade a grasp out in 20 ms of their time: until then the proxy stays where the grasp left
- * it, at 10 kHz as at 1 kHz; afterwards it comes over the hand. */
-TEST(the_proxy_stays_until_models_have_faded_the_grasp)
+/* A model lets go in a while: as long as it holds, the proxy goes with the hand and no further,
+ * and the hand feels what the model says; then the proxy comes over the hand, and what was felt
+ * fades into what the tissue exerts. */
+TEST(the_proxy_stays_until_the_model_holds_no_more)
 {
-    static const double aside[3] = {0.0, 0.002, 0.0}, none[3] = {0.0, 0.0, 0.0};
-    static const double periods[] = {1e-4, 2e-4, 1e-3, 2e-3};
-    for (size_t k = 0; k < sizeof periods / sizeof *periods; ++k) {
-        const double period = periods[k];
-        const ss_balance balance = {.spring = 1000.0, .limit = 8.0};
-        const ss_rest rest = {.stiffness_fraction = 1.0};
-        ss_slip slip = {.limit = 8.0, .stiffness_fraction = 1.0};
-        ss_slip_keep_aside(&slip, aside, period);
-        for (int n = 0; n < (int)lround(0.020 / period); ++n) {
-            ss_slip_take(&slip, &balance, &rest, none, 1000.0, period);
-            assert_near(slip.aside[1], aside[1], 0.0);
+    static const int holds[] = {1, 5, 20, 100};
+    static const double k = 300.0, depth = 4e-3, pull[3] = {-2.0, 0.0, 0.5};
+    for (size_t i = 0; i < sizeof holds / sizeof *holds; ++i) {
+        enum { GRASPED = 400, AFTER = 800 };
+        ss_haptic_config config = default_config();
+        config.damping = 2.0;
+        config.stiffness = 800.0;
+        rig r;
+        rig_start(&r, &config);
+        (void)rig_press(&r, k, depth);
+        double still[3], held = 0.0;
+        for (int n = 0; n < GRASPED + holds[i] + AFTER; ++n) {
+            const int since = n - GRASPED;
+            const bool is_held = since < holds[i];
+            rig_result(&r, k, -r.out.target.proxy[2], 1);
+            ss_copy3(r.result.proxy, r.out.target.proxy);
+            if (is_held) {
+                r.result.set.is_held = true;
+                const double left = since < 0 ? 1.0 : 1.0 - (double)since / holds[i];
+                ss_scale3(r.result.set.force, pull, left);
+            }
+            r.pose.buttons = since < 0 ? SOFTSIM_BUTTON_GRASP : 0;
+            rig_tick(&r, -depth);
+            const double size = ss_norm3(r.out.force.force);
+            if (since < 0) {
+                ss_copy3(still, r.out.target.proxy);
+                held = size;
+                continue;
+            }
+            assert_true(size <= held * 1.0001);
+            assert_int_equal((r.out.force.flags & SOFTSIM_FORCE_GRASPING) != 0, is_held);
+            for (int a = 0; is_held && a < 3; ++a) {
+                assert_near(r.out.target.proxy[a], still[a], 1e-9);
+            }
         }
-        for (int n = 0; n < (int)lround(0.020 / period); ++n) {
-            ss_slip_take(&slip, &balance, &rest, none, 1000.0, period);
-        }
-        assert_true(slip.aside[1] < 0.99 * aside[1]);
+        assert_near(held, ss_norm3(pull), 0.01);
+        assert_near(r.out.target.proxy[0], 0.0, 1e-4);
+        assert_near(r.out.force.force[0], 0.0, 1e-2);
+        assert_near(r.out.force.force[2], k * depth, 0.03);
+        rig_end(&r);
     }
 }
 

@@ -178,7 +178,7 @@ void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set
     if (ss_tool_fill_contacts(tool, model->u, near, out, normal)) {
         const double viscosity = feel(model, &model->tool[probe], normal, &out->step_stiffness);
         ss_contact_set_share(out, normal, tool->felt, viscosity);
-        if (tool->grasp.count == 0) { /* one that lets go fades in the haptic loop */
+        if (!out->is_held) {
             set_other_force(tool->pose.position, out);
         }
     }

@@ -338,7 +338,7 @@ bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, s
                            double out_normal[3])
 {
     ss_contact_query_contacts(tool->query, u, &tool->pose, near, out);
-    out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
+    out->is_held = tool->grasp.count > 0;
     ss_copy3(out->force, tool->force);
     ss_copy3(out->torque, tool->torque);
     if (tool->span > 0.0 && !out->is_held) {
