@@ -23,7 +23,8 @@ export async function open(browser, address, options, faults = []) {
   page.on('console', (message) => { if (message.type() === 'error') faults.push(message.text()); });
   await page.goto(address);
   await page.waitForFunction(() => document.title === 'softsim: live');
-  await page.waitForFunction(() => softsim.tools.size > 0);
+  await page.waitForFunction(() => softsim.tools.of.size > 0);
+  await page.waitForFunction((before) => softsim.view.frames > before + 1, await page.evaluate(() => softsim.view.frames));
   return page;
 }
 
@@ -31,8 +32,28 @@ export const until = (page, claim, argument = null) => page.waitForFunction(clai
 
 // Where a point of the body at rest (metres) is on the screen.
 export const onScreen = (page, point) => page.evaluate(([x, y, z]) => {
-  const { camera, body } = softsim;
+  const { view: { camera }, body } = softsim;
   const place = body.sphere.center.clone().set(x, y, z).project(camera);
   const box = document.getElementById('view').getBoundingClientRect();
   return [box.left + ((place.x + 1) / 2) * box.width, box.top + ((1 - place.y) / 2) * box.height];
 }, point);
+
+// Pixels of the picture that are not its background, as a share.
+export const drawn = (page) => page.evaluate(() => {
+  const canvas = document.getElementById('view'), copy = document.createElement('canvas');
+  [copy.width, copy.height] = [canvas.width, canvas.height];
+  const context = copy.getContext('2d');
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, copy.width, copy.height);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    count += Math.abs(data[i] - data[0]) + Math.abs(data[i + 1] - data[1]) + Math.abs(data[i + 2] - data[2]) > 40;
+  }
+  return count / (data.length / 4);
+});
+
+// A body that stands as it was made, and nobody's tool.
+export const rest = async (page) => {
+  await until(page, () => softsim.hand.press === null);
+  await until(page, () => softsim.body.count.every((c) => Math.abs(c) <= 2));
+};

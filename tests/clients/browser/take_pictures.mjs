@@ -21,7 +21,7 @@ const pause = (ms) => page.waitForTimeout(ms);
 
 if (given.view) {
   await page.evaluate(([x, y, z]) => {
-    const { camera, orbit } = softsim;
+    const { camera, orbit } = softsim.view;
     const far = camera.position.distanceTo(orbit.target);
     camera.position.set(x, y, z).setLength(far).add(orbit.target);
     orbit.update();
@@ -36,7 +36,7 @@ async function press() {
   await page.mouse.move(x, y);
   await page.mouse.down();
   for (let i = 0; i < Number(given.depth ?? 0); ++i) await page.mouse.wheel(0, -100);
-  await until(page, () => softsim.state.force > 0.05);
+  await until(page, () => softsim.readings.force > 0.05);
 }
 
 async function film(frames) {
@@ -63,11 +63,11 @@ if (given.film) {
     await page.keyboard.down('Shift');
     await pause(400);
     await page.mouse.move(x + dx, y + dy, { steps: 20 });
-    await until(page, () => [...softsim.tools.values()].some((tool) => tool.state && (tool.state.flags & 128) !== 0));
+    await until(page, () => [...softsim.tools.of.values()].some((tool) => tool.state && (tool.state.flags & 128) !== 0));
     await pause(1500);
   }
   // As it is when nothing is let in by and by (8), or late (16).
-  await until(page, () => [...softsim.tools.values()].some((tool) => tool.state && (tool.state.flags & 25) === 1));
+  await until(page, () => [...softsim.tools.of.values()].some((tool) => tool.state && (tool.state.flags & 25) === 1));
   await page.evaluate(() => document.getElementById('panel').scrollTo(0, 0));
   await page.screenshot({ path: out });
 }

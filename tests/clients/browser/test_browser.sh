@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The page of softsim-web in a headless Chromium, against a real server: test_page.mjs has the claims.
+# The page of softsim-web in a headless Chromium, against a real server: test_page.mjs and
+# test_session.mjs have the claims.
 # Skipped, and said so, where node, Chromium or playwright-core is not there: tools/setup.sh browser.
 #   test_browser.sh SOURCE_DIR BIN_DIR [FOLDER]     FOLDER: where pictures are kept
 set -euo pipefail
@@ -12,6 +13,7 @@ need_browser "$page"
 enter_network "$@"
 open_stage
 node "$(dirname "$0")/test_parts.mjs" "$page"
+node "$(dirname "$0")/test_session.mjs" "$page" "$bin" "$source_dir/server/scenes" "$work" "${3:-$work}"
 mkdir "$work/records"
 start server '^softsimd: ready' "$bin/softsimd" "$source_dir/server/scenes/kidney.yaml"
 start_web "$bin" --record-dir "$work/records"

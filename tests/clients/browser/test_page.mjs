@@ -1,107 +1,211 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // SPDX-FileCopyrightText: 2026 the softsim authors
 //
-// The page as a person uses it: it shows the body, a press of the mouse deforms it and is felt, it
-// comes back to rest; pause, reset, a parameter, a colour, a recording. What is waited for has no
-// limit but one against hanging.
+// The page as a person uses it, with a mouse, a finger and keys: it shows the body, a press deforms it
+// and is felt, it comes back to rest; grasp, pause, reset, a parameter, a colour, a recording. What is
+// waited for has no limit but one against hanging.
 //   node test_page.mjs PAGE_FOLDER ADDRESS PICTURE_FOLDER
 import assert from 'node:assert/strict';
-import { launch, onScreen, open, until } from './chromium.mjs';
+import { drawn, launch, onScreen, open, rest, until } from './chromium.mjs';
 
 const [pageFolder, address, pictures] = process.argv.slice(2);
 const browser = await launch(pageFolder);
 const faults = [];
 const UPPER_FACE = [0, 0.006, 0.022]; // of the kidney
+const GRASPING = 128;
 
-// Pixels of the canvas that are not the background.
-const drawn = (page) => page.evaluate(() => {
-  const { canvas } = { canvas: document.getElementById('view') };
-  const copy = document.createElement('canvas');
-  [copy.width, copy.height] = [canvas.width, canvas.height];
-  const context = copy.getContext('2d');
-  context.drawImage(canvas, 0, 0);
-  const { data } = context.getImageData(0, 0, copy.width, copy.height);
-  let count = 0;
-  for (let i = 0; i < data.length; i += 4) {
-    count += Math.abs(data[i] - data[0]) + Math.abs(data[i + 1] - data[1]) + Math.abs(data[i + 2] - data[2]) > 40;
-  }
-  return count / (data.length / 4);
-});
+const shown = (page, id) => until(page, (name) => !document.getElementById(name).hidden, id);
+const hidden = (page, id) => until(page, (name) => document.getElementById(name).hidden, id);
+const felt = (page) => until(page, () => softsim.readings.force > 0.2);
+const grasped = (page, isWanted) => until(page, ([flag, wanted]) => {
+  const states = [...softsim.tools.of.values()].filter((tool) => tool.visible).map((tool) => tool.state);
+  return wanted === states.some((state) => (state.flags & flag) !== 0);
+}, [GRASPING, isWanted]);
 
 const page = await open(browser, address, { colorScheme: 'light' }, faults);
 assert.ok((await drawn(page)) > 0.05, 'a body is drawn');
 assert.match(await page.textContent('#scene-name'), /^kidney\.yaml · cnn-energy$/);
+const [x, y] = await onScreen(page, UPPER_FACE);
+
+async function pressesWithTheMouse() {
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await felt(page);
+  await until(page, () => Math.max(...softsim.body.count) > 20);
+  await until(page, () => softsim.plots.histories.get(0).samples.some((s) => s[1] > 0.2));
+  await page.mouse.move(x + 15, y, { steps: 5 });
+  await page.selectOption('#colour', 'displacement');
+  await shown(page, 'legend');
+  await page.screenshot({ path: `${pictures}/press.png` });
+  await page.mouse.up();
+  await rest(page);
+}
+
+// A grasp is drawn outward, and the hand is pulled back; a tool that nobody moved any more may be had
+// again: the first of the two.
+async function graspsWithShift() {
+  await until(page, () => [...softsim.tools.of.values()].every((tool) => !tool.visible));
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await felt(page);
+  assert.equal(await page.evaluate(() => softsim.hand.tool.description.probe), 0);
+  await page.keyboard.down('Shift');
+  await grasped(page, true);
+  await page.mouse.move(x, y - 60, { steps: 10 });
+  await until(page, () => softsim.hand.tool.state.force[2] < -0.3);
+  assert.ok(await page.evaluate(() => Math.max(...softsim.body.count) > 20), 'a grasp pulls the body');
+  await page.mouse.up();
+  await page.keyboard.up('Shift');
+  await grasped(page, false);
+  await rest(page);
+}
+
+async function recordsTo() {
+  await page.click('#record');
+  await until(page, () => document.querySelectorAll('#recordings a').length === 1);
+  const [status, size] = await page.evaluate(async () => {
+    const answer = await fetch(document.querySelector('#recordings a').href);
+    return [answer.status, (await answer.arrayBuffer()).byteLength];
+  });
+  assert.equal(status, 200);
+  assert.ok(size > 10000, 'a recording holds what was sent');
+}
+
+async function commands() {
+  await page.click('#pause');
+  await until(page, () => document.getElementById('pause').textContent === 'Resume');
+  await page.click('#pause');
+  await until(page, () => document.getElementById('pause').textContent === 'Pause');
+  await page.click('#reset');
+  await until(page, () => document.getElementById('reply').textContent.startsWith('reset'));
+}
+
+// The range stands at the slider; what is not within it is said so and not sent; what is, is set.
+async function parameters() {
+  const number = page.locator('[id="number-haptic.max_force_n"]');
+  const box = page.locator('.parameter', { has: number });
+  assert.match(await box.textContent(), /^Max force\s*N\s*0\.01\s*8$/);
+  await number.fill('9');
+  await number.press('Enter');
+  await until(page, () => /Max force: 9 is not within 0\.01 to 8 N/.test(document.getElementById('notice').textContent));
+  assert.match(await box.textContent(), /not within 0\.01 to 8 N/);
+  assert.equal(await number.getAttribute('aria-invalid'), 'true');
+  await number.fill('7.5');
+  await number.press('Enter');
+  await until(page, () => document.getElementById('reply').textContent.startsWith('haptic.max_force_n = 7.5'));
+  assert.equal(await number.getAttribute('aria-invalid'), 'false');
+  await page.evaluate(() => {
+    const slider = document.getElementById('set-haptic.max_force_n');
+    slider.value = 1;
+    slider.dispatchEvent(new Event('input'));
+  });
+  await until(page, () => document.getElementById('reply').textContent.startsWith('haptic.max_force_n = 8'));
+  for (const id of ['show-edges', 'show-ghost']) await page.check(`#${id}`);
+}
+
+// All of it without a mouse, by what the list of keys says.
+async function worksByKeys() {
+  await page.focus('#view');
+  await page.keyboard.press('f');
+  await page.keyboard.press('?');
+  await until(page, () => document.getElementById('help').open);
+  const listed = await page.locator('#keys kbd').allTextContents();
+  for (const key of ['Enter', 'G', '+', '−', '←', '→', '↑', '↓', 'I', 'O', 'Esc']) assert.ok(listed.includes(key), `${key} is listed`);
+  await page.keyboard.press('Escape');
+  await until(page, () => !document.getElementById('help').open);
+  await page.focus('#view');
+  assert.notEqual(await page.evaluate(() => getComputedStyle(document.getElementById('view')).boxShadow), 'none', 'the focus is seen');
+  const eye = () => page.evaluate(() => softsim.view.camera.position.clone().sub(softsim.view.orbit.target).toArray());
+  const before = await eye();
+  await page.keyboard.press('ArrowLeft');
+  const turned = await eye();
+  assert.ok(Math.hypot(...turned.map((c, d) => c - before[d])) > 0.05 * Math.hypot(...before), 'an arrow turns');
+  assert.ok(Math.abs(Math.hypot(...turned) / Math.hypot(...before) - 1) < 1e-3, 'at the same distance');
+  await page.keyboard.press('i');
+  assert.ok(Math.hypot(...(await eye())) < 0.95 * Math.hypot(...before), 'I is nearer');
+  await page.keyboard.press('o');
+  await page.keyboard.press('Enter');
+  await felt(page);
+  const depth = () => page.evaluate(() => parseFloat(document.getElementById('depth-set').textContent));
+  const shallow = await depth();
+  await page.keyboard.press('+');
+  assert.ok((await depth()) > 1.1 * shallow, '+ is deeper');
+  await page.keyboard.press('-');
+  const place = await page.evaluate(() => softsim.hand.place[0]);
+  await page.keyboard.press('ArrowRight');
+  assert.ok((await page.evaluate(() => softsim.hand.place[0])) > place, 'an arrow moves the tool');
+  await page.keyboard.press('g');
+  await grasped(page, true);
+  await page.screenshot({ path: `${pictures}/keys.png` });
+  await page.keyboard.press('g');
+  await grasped(page, false);
+  await page.keyboard.press('Enter');
+  await rest(page);
+}
+
+// A second finger sets depth and grasp while the first one presses.
+async function worksByFingers(phone) {
+  const touch = await phone.context().newCDPSession(phone);
+  const send = (type, ...points) => touch.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([id, px, py]) => ({ id, x: px, y: py })) });
+  const on = async (id, share = 0.5) => {
+    const box = await phone.locator(`#${id}`).boundingBox();
+    return [1, box.x + share * box.width, box.y + box.height / 2];
+  };
+  await phone.bringToFront();
+  const first = [0, ...(await onScreen(phone, UPPER_FACE))];
+  await send('touchStart', first);
+  await felt(phone);
+  await shown(phone, 'grip');
+  const shallow = await phone.evaluate(() => softsim.hand.depthShare);
+  await send('touchStart', first, await on('depth', 0.8));
+  await until(phone, (least) => softsim.hand.depthShare > 1.1 * least, shallow);
+  await send('touchEnd', await on('depth', 0.8));
+  await send('touchStart', first, await on('grasp'));
+  await send('touchEnd', await on('grasp'));
+  await grasped(phone, true);
+  await phone.screenshot({ path: `${pictures}/touch.png` });
+  await send('touchEnd');
+  await rest(phone);
+}
+
+// Who else has the tool is told at once, and pressing does nothing; a late browser has what was felt.
+async function watches() {
+  const phone = await open(browser, address, { viewport: { width: 390, height: 780 }, colorScheme: 'dark', hasTouch: true, isMobile: true }, faults);
+  assert.ok((await drawn(phone)) > 0.03, 'a body is drawn on a phone');
+  await until(phone, () => softsim.plots.histories.has(0));
+  const [told, age] = await phone.evaluate(() => {
+    const { samples, last } = softsim.plots.histories.get(0);
+    return [last - samples[0][0], performance.now() / 1000];
+  });
+  assert.ok(told > age || age > 8, `${told} s of forces are told to a page of ${age} s`);
+  const width = await phone.evaluate(() => document.documentElement.scrollWidth);
+  assert.ok(width <= 390, `the page is ${width} wide on a phone of 390`);
+  await hidden(phone, 'who');
+  await page.bringToFront();
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await until(phone, () => document.getElementById('who').textContent.startsWith('Another browser holds the tool'));
+  await shown(phone, 'who');
+  await phone.screenshot({ path: `${pictures}/phone.png` });
+  await phone.touchscreen.tap(...(await onScreen(phone, UPPER_FACE)));
+  assert.equal(await phone.evaluate(() => softsim.hand.press), null, 'who watches does not press');
+  await page.mouse.up();
+  await hidden(phone, 'who');
+  await rest(page);
+  return phone;
+}
 
 await page.click('#record');
 await until(page, () => document.getElementById('record').textContent === 'Stop');
-const [x, y] = await onScreen(page, UPPER_FACE);
-await page.mouse.move(x, y);
-await page.mouse.down();
-await until(page, () => softsim.state.force > 0.2 && Math.max(...softsim.body.count) > 20);
-await until(page, () => softsim.plots.samples.some((s) => s[1] > 0.2));
-await page.mouse.move(x + 15, y, { steps: 5 });
-await page.selectOption('#colour', 'displacement');
-await until(page, () => !document.getElementById('legend').hidden);
-await page.screenshot({ path: `${pictures}/press.png` });
-await page.mouse.up();
-await until(page, () => softsim.body.count.every((c) => Math.abs(c) <= 2));
-await until(page, () => softsim.hand.press === null);
-
-// A tool that nobody moves is not shown any more, and may be had again: the first of the two.
-await until(page, () => [...softsim.tools.values()].every((tool) => !tool.visible));
-
-// Shift grasps: drawn outward, the hand is pulled back; let go, the body is at rest again.
-await page.mouse.move(x, y);
-await page.mouse.down();
-await until(page, () => softsim.state.force > 0.2);
-assert.equal(await page.evaluate(() => softsim.hand.tool.description.probe), 0);
-await page.keyboard.down('Shift');
-await until(page, () => [...softsim.tools.values()].some((tool) => ((tool.state?.flags ?? 0) & 128) !== 0));
-await page.mouse.move(x, y - 60, { steps: 10 });
-await until(page, () => [...softsim.tools.values()].some((tool) => ((tool.state?.flags ?? 0) & 128) !== 0 && tool.state.force[2] < -0.3));
-assert.ok(await page.evaluate(() => Math.max(...softsim.body.count) > 20), 'a grasp pulls the body');
-await page.mouse.up();
-await page.keyboard.up('Shift');
-await until(page, () => [...softsim.tools.values()].every((tool) => ((tool.state?.flags ?? 0) & 128) === 0 || !tool.visible));
-await until(page, () => softsim.body.count.every((c) => Math.abs(c) <= 2));
-await until(page, () => softsim.hand.press === null);
-await page.click('#record');
-await until(page, () => document.querySelectorAll('#recordings a').length === 1);
-const fetched = await page.evaluate(async () => {
-  const answer = await fetch(document.querySelector('#recordings a').href);
-  return [answer.status, (await answer.arrayBuffer()).byteLength];
-});
-assert.equal(fetched[0], 200);
-assert.ok(fetched[1] > 10000, 'a recording holds what was sent');
-
-await page.click('#pause');
-await until(page, () => document.getElementById('pause').textContent === 'Resume');
-await page.click('#pause');
-await until(page, () => document.getElementById('pause').textContent === 'Pause');
-await page.click('#reset');
-await until(page, () => document.getElementById('reply').textContent.startsWith('reset'));
-await page.evaluate(() => {
-  const slider = document.getElementById('set-haptic.max_force_n');
-  slider.value = 0.5;
-  slider.dispatchEvent(new Event('input'));
-});
-await until(page, () => document.getElementById('reply').textContent.startsWith('haptic.max_force_n = '));
-for (const id of ['show-edges', 'show-ghost']) await page.check(`#${id}`);
-await page.keyboard.press('Escape');
-
-// A second browser watches while the first one holds the probe; a phone and the dark page draw.
-const phone = await open(browser, address, { viewport: { width: 390, height: 780 }, colorScheme: 'dark', hasTouch: true }, faults);
-assert.ok((await drawn(phone)) > 0.03, 'a body is drawn on a phone');
-const width = await phone.evaluate(() => document.documentElement.scrollWidth);
-assert.ok(width <= 390, `the page is ${width} wide on a phone of 390`);
+await pressesWithTheMouse();
+await graspsWithShift();
+await recordsTo();
+await worksByKeys();
+const phone = await watches();
+await worksByFingers(phone);
 await page.bringToFront();
-await page.mouse.move(x, y);
-await page.mouse.down();
-await until(phone, () => softsim.state.isOthers === true);
-await phone.screenshot({ path: `${pictures}/phone.png` });
-await page.mouse.up();
-await until(phone, () => softsim.state.isOthers === false);
-
+await commands();
+await parameters();
 assert.deepEqual(faults, []);
 await browser.close();
-console.log('test_page: the page shows, pushes, lets go, grasps, pauses, resets, sets and records');
+console.log('test_page: the page shows, pushes, lets go, grasps, by mouse, keys and fingers; pauses, resets, sets and records');

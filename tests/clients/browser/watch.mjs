@@ -8,7 +8,7 @@ import { launch, open } from './chromium.mjs';
 const [pageFolder, address, seconds] = process.argv.slice(2);
 const browser = await launch(pageFolder);
 const page = await open(browser, address, {});
-const look = () => page.evaluate(() => [softsim.link.bytes, softsim.state.frames, performance.now()]);
+const look = () => page.evaluate(() => [softsim.link.bytes, softsim.view.frames, performance.now()]);
 await page.waitForTimeout(2000);
 console.log('counting');
 const before = await look();

@@ -10,12 +10,12 @@ const TISSUE = new THREE.Color(0xb5574a);
 // A round dot to be drawn as a point, seen on every colour.
 function dot() {
   const canvas = document.createElement('canvas');
-  canvas.width = canvas.height = 32;
+  canvas.width = canvas.height = 64;
   const context = canvas.getContext('2d');
-  for (const [colour, radius] of [['#ffffff', 15], ['#2f6fb0', 10]]) {
+  for (const [colour, radius] of [['#ffffff', 26], ['#2f6fb0', 18]]) {
     context.fillStyle = colour;
     context.beginPath();
-    context.arc(16, 16, radius, 0, 2 * Math.PI);
+    context.arc(32, 32, radius, 0, 2 * Math.PI);
     context.fill();
   }
   const texture = new THREE.CanvasTexture(canvas);
@@ -96,6 +96,8 @@ export class Body extends THREE.Group {
     this.edges.frustumCulled = false;
     this.sphere = restGeometry.boundingSphere;
     this.diagonal = restGeometry.boundingBox.getSize(new THREE.Vector3()).length();
+    const { min, max } = restGeometry.boundingBox;
+    this.box = [...min.toArray(), ...max.toArray()].map((v) => v.toPrecision(5)).join(' ');
     this.fixed = this.makePins(restOf, restGeometry.attributes.normal.array, flag);
     this.add(this.mesh, this.ghost, this.edges, this.fixed);
     this.isPresent = true;
@@ -114,7 +116,7 @@ export class Body extends THREE.Group {
     const pins = new THREE.BufferGeometry();
     pins.setAttribute('position', new THREE.Float32BufferAttribute(place, 3));
     return new THREE.Points(pins, new THREE.PointsMaterial({
-      size: 6, sizeAttenuation: false, map: dot(), alphaTest: 0.5,
+      size: 8, sizeAttenuation: false, map: dot(), transparent: true, depthWrite: false,
     }));
   }
 

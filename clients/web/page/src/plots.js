@@ -1,6 +1,8 @@
 // Small plots on canvases: force over time with its greatest values, force against indentation,
 // step time and lateness.
-const SPAN_S = 10;
+import { $ } from './page.js';
+
+const SPAN_S = 10, STEPS = 240; // a minute of statuses
 
 function begin(canvas) {
   const ratio = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight || canvas.height / ratio;
@@ -51,47 +53,57 @@ function line({ context }, points, colour, width = 1.5) {
 }
 
 export class Plots {
-  constructor(time, depth, step) {
-    this.canvases = { time, depth, step };
-    this.samples = []; // [time, force, greatest, indentation]
-    this.steps = []; // [step p99 us, lateness p99 us]
-    this.last = 0;
+  constructor() {
+    this.canvases = { time: $('plot-time'), depth: $('plot-depth'), step: $('plot-step') };
+    this.forget();
   }
 
-  takeSamples(values) {
+  forget() {
+    this.histories = new Map(); // by probe: { last, samples: [time, force, greatest, indentation] }
+    this.steps = []; // [step p99 us, lateness p99 us]
+  }
+
+  takeSamples(probe, values) {
+    const history = this.histories.get(probe) ?? { last: 0, samples: [] };
+    this.histories.set(probe, history);
     for (let i = 0; i < values.length; i += 4) {
-      if (values[i] < this.last - SPAN_S) this.samples.length = 0; // another run
-      this.last = values[i];
-      if (values[i] > 0) this.samples.push([values[i], values[i + 1], values[i + 2], values[i + 3]]);
+      if (values[i] < history.last - SPAN_S) history.samples.length = 0; // another run
+      history.last = values[i];
+      if (values[i] > 0) history.samples.push([values[i], values[i + 1], values[i + 2], values[i + 3]]);
     }
-    while (this.samples.length && this.samples[0][0] < this.last - SPAN_S) this.samples.shift();
+    while (history.samples.length && history.samples[0][0] < history.last - SPAN_S) history.samples.shift();
   }
 
   takeStatus(status) {
     this.steps.push([status.step_us[1] ?? 0, status.lateness_us[1] ?? 0]);
-    if (this.steps.length > 240) this.steps.shift();
+    if (this.steps.length > STEPS) this.steps.shift();
   }
 
-  draw() {
-    const accent = style('--accent'), force = style('--force');
-    const top = round(Math.max(0.1, ...this.samples.map((s) => s[2])));
-    const time = begin(this.canvases.time);
-    const y = (plot, value, most) => (plot.height - 15) * (1 - value / most) + 0.5;
-    const x = (t) => time.width * (1 + (t - this.last) / SPAN_S);
+  // The forces of one probe.
+  draw(probe) {
+    const history = this.histories.get(probe) ?? { last: 0, samples: [] };
+    this.drawForces(history.samples, history.last);
+    this.drawSteps();
+  }
+
+  drawForces(samples, last) {
+    const force = style('--force'), top = round(Math.max(0.1, ...samples.map((s) => s[2])));
+    const time = begin(this.canvases.time), depth = begin(this.canvases.depth);
+    const y = (plot, value) => (plot.height - 15) * (1 - value / top) + 0.5;
+    const x = (t) => time.width * (1 + (t - last) / SPAN_S);
     frame(time, top, 'N', 'last 10 s');
-    line(time, this.samples.map((s) => [x(s[0]), y(time, s[2], top)]), `${force}66`, 1);
-    line(time, this.samples.map((s) => [x(s[0]), y(time, s[1], top)]), force);
-
-    const depth = begin(this.canvases.depth);
-    const deepest = round(1e3 * Math.max(1e-4, ...this.samples.map((s) => s[3])));
+    line(time, samples.map((s) => [x(s[0]), y(time, s[2])]), `${force}66`, 1);
+    line(time, samples.map((s) => [x(s[0]), y(time, s[1])]), force);
+    const deepest = round(1e3 * Math.max(1e-4, ...samples.map((s) => s[3])));
     frame(depth, top, 'N', `${Number(deepest.toPrecision(3))} mm`);
-    line(depth, this.samples.map((s) => [(depth.width * Math.max(0, 1e3 * s[3])) / deepest, y(depth, s[1], top)]), accent);
+    line(depth, samples.map((s) => [(depth.width * Math.max(0, 1e3 * s[3])) / deepest, y(depth, s[1])]), style('--accent'));
+  }
 
-    const step = begin(this.canvases.step);
-    const most = round(Math.max(10, ...this.steps.flat()));
-    frame(step, most, 'µs', 'step p99, lateness p99, last minute');
-    const across = (i) => (step.width * i) / 239;
-    line(step, this.steps.map((s, i) => [across(i), y(step, s[0], most)]), accent);
-    line(step, this.steps.map((s, i) => [across(i), y(step, s[1], most)]), style('--quiet'), 1);
+  drawSteps() {
+    const step = begin(this.canvases.step), most = round(Math.max(10, ...this.steps.flat()));
+    const point = (k) => (s, i) => [(step.width * i) / (STEPS - 1), (step.height - 15) * (1 - s[k] / most) + 0.5];
+    frame(step, most, 'µs', 'last minute');
+    line(step, this.steps.map(point(0)), style('--accent'));
+    line(step, this.steps.map(point(1)), style('--quiet'), 1);
   }
 }

@@ -3,7 +3,7 @@
 import * as THREE from 'three';
 import { ConvexGeometry } from 'three/addons/geometries/ConvexGeometry.js';
 
-export function toolGeometry({ form, size, hull }) {
+function toolGeometry({ form, size, hull }) {
   const alongZ = (geometry) => geometry.rotateX(Math.PI / 2); // three's axis is y
   switch (form) {
     case 'sphere': return new THREE.SphereGeometry(size[0], 48, 32);
@@ -20,7 +20,7 @@ export function toolGeometry({ form, size, hull }) {
 }
 
 // How far the tool reaches from its origin along its own axis z.
-export function toolReach({ form, size, hull }) {
+function toolReach({ form, size, hull }) {
   switch (form) {
     case 'sphere': return size[0];
     case 'capsule': return size[0] + size[1] / 2;
@@ -31,8 +31,9 @@ export function toolReach({ form, size, hull }) {
 }
 
 const STILL_S = 0.5, STALE = 16; // forces go on when nobody sends poses any more
+const isTouching = (state) => (state.flags & 1) !== 0;
 
-export class Tool extends THREE.Group {
+class Tool extends THREE.Group {
   constructor(description) {
     super();
     this.description = description;
@@ -52,44 +53,89 @@ export class Tool extends THREE.Group {
     this.add(this.probeMesh, this.proxyMesh, this.arrow, this.spot, this.normal);
     this.visible = false;
     this.heard = -Infinity;
+    this.state = null;
   }
 
-  take(state, diagonal, newtonsAcross) {
+  take(state) {
     this.state = state;
     if ((state.flags & STALE) === 0) this.heard = performance.now();
-    const [w, x, y, z] = state.orientation;
-    const isTouching = (state.flags & 1) !== 0;
-    for (const [mesh, place] of [[this.probeMesh, state.position], [this.proxyMesh, isTouching ? state.proxy : state.position]]) {
+  }
+
+  // Nobody moves it any more.
+  isStill() {
+    return performance.now() - this.heard > 1000 * STILL_S;
+  }
+
+  // A tool that nobody moves is not there.
+  update({ diagonal, maxForce, isForceShown }) {
+    this.visible = !this.isStill();
+    if (!this.visible) return;
+    const [w, x, y, z] = this.state.orientation;
+    const touches = isTouching(this.state), isShown = touches && isForceShown;
+    for (const [mesh, place] of [[this.probeMesh, this.state.position], [this.proxyMesh, touches ? this.state.proxy : this.state.position]]) {
       mesh.position.fromArray(place);
       mesh.quaternion.set(x, y, z, w);
     }
-    const force = new THREE.Vector3().fromArray(state.force), size = force.length();
-    this.arrow.visible = this.spot.visible = this.normal.visible = isTouching;
-    if (isTouching) {
-      const point = new THREE.Vector3().fromArray(state.point);
-      const length = Math.max(0.02, Math.min(0.6, (0.35 * size) / newtonsAcross)) * diagonal;
-      this.arrow.visible = size > 1e-4;
-      this.arrow.position.fromArray(state.proxy);
-      if (size > 1e-4) this.arrow.setDirection(force.divideScalar(size));
-      this.arrow.setLength(length, 0.03 * diagonal, 0.018 * diagonal);
-      this.spot.position.copy(point);
-      this.spot.scale.setScalar(0.006 * diagonal);
-      this.normal.position.copy(point);
-      this.normal.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3().fromArray(state.normal));
-      this.normal.scale.setScalar(0.1 * diagonal);
-    }
+    this.spot.visible = this.normal.visible = isShown;
+    this.arrow.visible = false;
+    if (isShown) this.pointForce(diagonal, maxForce);
   }
 
-  // A tool that nobody moves any more is not there.
-  update(isForceShown) {
-    this.visible = performance.now() - this.heard < 1000 * STILL_S;
-    const isTouching = this.state && (this.state.flags & 1) !== 0;
-    this.arrow.visible = this.arrow.visible && isForceShown;
-    this.normal.visible = this.spot.visible = Boolean(isTouching && isForceShown);
+  pointForce(diagonal, maxForce) {
+    const force = new THREE.Vector3().fromArray(this.state.force), size = force.length();
+    const length = Math.max(0.02, Math.min(0.6, (0.35 * size) / maxForce)) * diagonal;
+    this.arrow.visible = size > 1e-4;
+    this.arrow.position.fromArray(this.state.proxy);
+    if (size > 1e-4) this.arrow.setDirection(force.divideScalar(size));
+    this.arrow.setLength(length, 0.03 * diagonal, 0.018 * diagonal);
+    this.spot.position.fromArray(this.state.point);
+    this.spot.scale.setScalar(0.006 * diagonal);
+    this.normal.position.fromArray(this.state.point);
+    this.normal.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3().fromArray(this.state.normal));
+    this.normal.scale.setScalar(0.1 * diagonal);
   }
 
   dispose() {
     this.probeMesh.geometry.dispose();
     for (const part of [this.probeMesh, this.proxyMesh, this.spot, this.normal]) part.material.dispose();
+  }
+}
+
+// The scene's tools by their probes.
+export class Tools extends THREE.Group {
+  constructor() {
+    super();
+    this.of = new Map();
+  }
+
+  // False: they are what they were.
+  describe(descriptions) {
+    const key = JSON.stringify(descriptions);
+    if (key === this.key) return false;
+    this.key = key;
+    for (const tool of this.of.values()) tool.dispose();
+    this.clear();
+    this.of.clear();
+    for (const description of descriptions) {
+      this.of.set(description.probe, new Tool(description));
+      this.add(this.of.get(description.probe));
+    }
+    return true;
+  }
+
+  take(force) {
+    this.of.get(force.probe)?.take(force);
+  }
+
+  moved() {
+    return [...this.of.values()].find((tool) => !tool.isStill()) ?? null;
+  }
+
+  forget() {
+    for (const tool of this.of.values()) tool.heard = -Infinity;
+  }
+
+  update(shown) {
+    for (const tool of this.of.values()) tool.update(shown);
   }
 }

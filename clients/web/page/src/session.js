@@ -1,0 +1,54 @@
+// Whom the page talks to, in plain words: a banner while there is nothing live to see, with what to do.
+//   connecting, lost (no softsim-web), silent (no server), loading (no body yet), live
+import { $ } from './page.js';
+
+const command = (scene) => `softsimd ${scene || 'server/scenes/kidney.yaml'}`;
+
+const SAID = {
+  connecting: () => ['Connecting', 'Looking for softsim-web.'],
+  lost: ({ address }) => ['softsim-web has stopped', 'This page goes on by itself once it runs again at the same address:',
+    `softsim-web --port ${new URL(address).port || 80}`],
+  silent: ({ scene }) => (scene
+    ? ['The server has stopped', 'This page goes on by itself once it runs again:', command(scene)]
+    : ['No server yet', 'Start one in a terminal; its body appears here by itself:', command()]),
+  loading: ({ isMeshOff }) => (isMeshOff
+    ? ['The server sends no body', 'Its publish.mesh_rate_hz is 0: set it to 60 in its scene.']
+    : ['Receiving the body', 'A moment: the server sends it every two seconds.']),
+};
+
+export class Session {
+  constructor() {
+    Object.assign(this, { isOpen: null, isSilent: false, isHeard: false, hasBody: false, scene: '', isMeshOff: false });
+    this.onChange = () => {}; // of its kind
+    this.show();
+  }
+
+  kind() {
+    if (this.isOpen === null) return 'connecting';
+    if (!this.isOpen) return 'lost';
+    if (this.isSilent || !this.isHeard) return this.isSilent ? 'silent' : 'connecting';
+    return this.hasBody ? 'live' : 'loading';
+  }
+
+  take(what) {
+    const was = this.kind();
+    Object.assign(this, what);
+    this.show();
+    if (this.kind() !== was) this.onChange(this.kind());
+  }
+
+  show() {
+    const kind = this.kind(), isLive = kind === 'live', hasServer = isLive || kind === 'loading';
+    document.title = `softsim: ${{ live: 'live', silent: 'no server', lost: 'gone' }[kind] ?? 'waiting'}`;
+    document.body.dataset.session = kind;
+    $('banner').hidden = isLive;
+    for (const part of ['pause', 'reset']) $(part).disabled = !hasServer;
+    $('settings').inert = !hasServer;
+    if (isLive) return;
+    const [head, text, todo] = SAID[kind]({ scene: this.scene, isMeshOff: this.isMeshOff, address: location.href });
+    $('banner-head').textContent = head;
+    $('banner-text').textContent = text;
+    $('banner-todo').textContent = todo ?? '';
+    $('banner-todo').hidden = !todo;
+  }
+}

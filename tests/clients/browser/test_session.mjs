@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// SPDX-FileCopyrightText: 2026 the softsim authors
+//
+// The page while servers come and go, and beside another browser: what it shows is what is.
+//   node test_session.mjs PAGE_FOLDER BIN_DIR SCENE_FOLDER WORK_FOLDER PICTURE_FOLDER
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { launch, onScreen, open, rest, until } from './chromium.mjs';
+
+const [pageFolder, bin, scenes, work, pictures] = process.argv.slice(2);
+const UPPER_FACE = [0, 0.006, 0.022]; // of the kidney
+const running = new Set();
+process.on('exit', () => running.forEach((child) => child.kill('SIGKILL')));
+
+// Starts a program; resolves when it says `said`, to it and the match.
+function start(said, program, ...args) {
+  const child = spawn(`${bin}/${program}`, args);
+  running.add(child);
+  child.gone = new Promise((done) => { child.on('exit', () => { running.delete(child); done(); }); });
+  return new Promise((done, fail) => {
+    let text = '';
+    const take = (data) => {
+      text += data;
+      const match = text.match(said);
+      if (match) done({ child, match });
+    };
+    child.stdout.on('data', take);
+    child.stderr.on('data', take);
+    child.gone.then(() => fail(new Error(`${program} ended: ${text}`)));
+  });
+}
+const serve = async (scene) => (await start(/softsimd: ready/, 'softsimd', scene)).child;
+async function kill(child) {
+  child.kill('SIGKILL');
+  await child.gone;
+}
+
+const { child: web, match } = await start(/open (http:\S+) in a browser/, 'softsim-web', '--port', '0');
+const address = match[1];
+const browser = await launch(pageFolder);
+const faults = [];
+const kind = (page, wanted) => until(page, (name) => document.body.dataset.session === name, wanted);
+const text = (page, id) => page.textContent(`#${id}`);
+const kidney = `${scenes}/kidney.yaml`;
+
+// Before there is a server the page says so, and how to start one.
+const page = await browser.newPage({ viewport: { width: 1000, height: 640 } });
+page.on('pageerror', (error) => faults.push(error.message));
+await page.goto(address);
+await kind(page, 'silent');
+assert.equal(await text(page, 'banner-head'), 'No server yet');
+assert.match(await text(page, 'banner-todo'), /^softsimd .*\.yaml$/);
+await page.screenshot({ path: `${pictures}/no-server.png` });
+let server = await serve(kidney);
+await kind(page, 'live');
+await until(page, () => softsim.tools.of.size > 0);
+assert.equal(await page.isVisible('#banner'), false);
+
+// A server that dies under the hand: nothing of it stays as if it were live.
+const [x, y] = await onScreen(page, UPPER_FACE);
+await page.mouse.move(x, y);
+await page.mouse.down();
+await until(page, () => softsim.readings.force > 0.2 && Math.max(...softsim.body.count) > 20);
+await kill(server);
+await kind(page, 'silent');
+assert.equal(await page.title(), 'softsim: no server');
+assert.equal(await text(page, 'force-now'), '–');
+assert.equal(await text(page, 'verdict'), 'no server');
+assert.equal(await text(page, 'banner-head'), 'The server has stopped');
+assert.equal(await text(page, 'banner-todo'), `softsimd ${kidney}`);
+assert.equal(await page.evaluate(() => softsim.plots.histories.size), 0);
+assert.equal(await page.isDisabled('#pause'), true);
+await page.screenshot({ path: `${pictures}/server-gone.png` });
+assert.ok(await page.evaluate(() => Math.max(...softsim.body.count) > 20), 'the last that was seen');
+await page.mouse.up();
+
+// Another body of as many nodes, twice as large, is shown whole.
+const distance = () => page.evaluate(() => softsim.view.camera.position.distanceTo(softsim.view.orbit.target));
+const before = await distance();
+const mesh = readFileSync(`${scenes}/kidney.obj`, 'utf8').replace(/^v (.*)$/gm, (_, place) => `v ${place.trim().split(/\s+/).map((c) => 2 * Number(c)).join(' ')}`);
+writeFileSync(`${work}/large.obj`, mesh);
+writeFileSync(`${work}/large.yaml`, readFileSync(kidney, 'utf8').replace('kidney.obj', 'large.obj').replace('[0, -0.017, 0], radius_m: 0.015', '[0, -0.034, 0], radius_m: 0.03'));
+server = await serve(`${work}/large.yaml`);
+await until(page, () => document.getElementById('scene-name').textContent.startsWith('large.yaml'));
+await until(page, (least) => softsim.view.camera.position.distanceTo(softsim.view.orbit.target) > least, 1.9 * before);
+await kill(server);
+
+// Two browsers show the field that the server publishes, whoever asked for it; a new server's too.
+server = await serve(kidney);
+const other = await open(browser, address, {}, faults);
+await until(page, () => document.getElementById('scene-name').textContent.startsWith('kidney.yaml'));
+const shows = async (name, isLegend) => {
+  for (const each of [page, other]) {
+    await each.bringToFront();
+    await until(each, ([field, wanted]) => document.getElementById('colour').value === field && softsim.body.colouring === field &&
+      document.getElementById('legend').hidden !== wanted, [name, isLegend]);
+  }
+};
+await shows('none', false);
+await page.selectOption('#colour', 'potential');
+await shows('potential', true);
+await other.selectOption('#colour', 'none');
+await shows('none', false);
+await page.selectOption('#colour', 'potential');
+await shows('potential', true);
+await kill(server);
+server = await serve(kidney);
+await shows('none', false);
+await other.close();
+
+// Without softsim-web the page says that, not that the server is gone.
+await kill(web);
+await kind(page, 'lost');
+assert.equal(await text(page, 'banner-head'), 'softsim-web has stopped');
+assert.equal(await text(page, 'banner-todo'), `softsim-web --port ${new URL(address).port}`);
+await page.screenshot({ path: `${pictures}/lost.png` });
+
+assert.deepEqual(faults, []);
+await browser.close();
+await kill(server);
+console.log('test_session: the page says who is there, starts afresh with a new server, follows its field and its pause');
