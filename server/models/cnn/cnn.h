@@ -125,6 +125,8 @@ typedef struct ss_cnn_tool {
     int32_t count;
     const int32_t *node;
     const double *weight;
+    int32_t *own_node;                /* those two, while there is a grasp, */
+    double *own_weight, *held_weight; /* and what it holds of each */
     double *mu, *eps, *eta, *share;
     ss_cnn_contact_cell cell, cell_before;   /* one-cell sources; before: at the sub-step's start */
     double reference_before, penalty_before; /* at the sub-step's start */
@@ -303,6 +305,15 @@ void ss_cnn_source_moduli(ss_model *model);
 /* Weighs the tissue under a tool at `pose`: kap, eps_i, a, and the forces f_s through the
  * weights, which are added to model->base. */
 void ss_cnn_source_weigh(ss_model *model, ss_cnn_tool *tool, const ss_tool_pose *pose);
+/* The forces on the nodes through the weights at the last preparation, quads (scratch): what a
+ * grasp takes over. */
+const ss_real *ss_cnn_source_weight_forces(ss_model *model, ss_cnn_tool *tool);
+/* What the source's energy lost as psi_0 or held weights changed; what it gained is booked as work
+ * and goes out of the motion again (spring.c). */
+void ss_cnn_source_book(ss_model *model, ss_cnn_source *source, double lost);
+/* After a sub-step in which grasps faded, and the preparation that follows: books what
+ * their weights changed. */
+void ss_cnn_source_let_go(ss_model *model);
 /* The tool has left, or jumped: its next touch begins again. */
 void ss_cnn_source_end_contact(ss_cnn_tool *tool);
 /* What the tools' sources remember of their touch, put aside and put back around a sub-step. */

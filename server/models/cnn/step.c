@@ -507,6 +507,11 @@ static void clamp_displacements(ss_model *model)
 
 /* ---- the outer step ---- */
 
+static double energy_balance(const ss_model *model)
+{
+    return model->kinetic + model->elastic - model->work + model->dissipated;
+}
+
 /* Taking over where the tools go; what changed with a jump is prepared again. */
 static void take_tools(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
@@ -543,23 +548,31 @@ static void take_loads(ss_model *model, double time)
     }
 }
 
+/* Everything again at the start of the step, after what a grasp holds changed; returns what that
+ * took from the energy. */
+static double prepare_grasp(ss_model *model)
+{
+    const double before = energy_balance(model);
+    model->has_totals = false;
+    prepare(model, 0.0);
+    return before - energy_balance(model);
+}
+
 /* The button's press stores where the touched nodes are in the tool's frame. */
-static void take_grasp(ss_model *model, ss_cnn_tool *tool, bool is_grasping)
+static void take_grasp(ss_model *model, ss_cnn_tool *tool)
 {
     ss_grasp *grasp = &tool->base->grasp;
-    if (is_grasping && !grasp->is_pressed) {
-        if (grasp->count > 0) { /* still letting go: what is left of it is lost at once */
-            model->dissipated += grasp->fade * grasp->unfaded_energy;
-            grasp->count = 0;
-            model->has_totals = false;
-            prepare(model, 0.0);
-        }
-        ss_grasp_take(grasp, tool->count, tool->node, tool->weight,
-                      SS_GRASP_STIFFNESS_RATIO * tool->base->stiffness,
-                      (const double(*)[3])model->plan.mesh->position, model->u, &tool->base->pose);
-        ss_cnn_set_bound(model);
+    if (grasp->count > 0) { /* still letting go: what is left of it is lost at once */
+        grasp->count = 0;
+        ss_cnn_source_book(model, &tool->source, prepare_grasp(model));
     }
-    grasp->is_pressed = is_grasping;
+    ss_grasp_take(grasp, tool->count, tool->node, tool->weight,
+                  SS_GRASP_STIFFNESS_RATIO * tool->base->stiffness,
+                  (const double(*)[3])model->plan.mesh->position, model->u, &tool->base->pose);
+    if (grasp->count > 0) {
+        ss_grasp_stretch(grasp, ss_cnn_source_weight_forces(model, tool), &tool->base->pose);
+        model->work -= prepare_grasp(model);
+    }
 }
 
 /* Sub-steps that the tools' motion asks for: at most R/4 each, if anything is in the way. */
@@ -616,11 +629,6 @@ static void take_back(ss_model *model, progress *p, const booked *before, double
     prepare(model, p->steps.path); /* books what it changes by itself */
 }
 
-static double energy_balance(const ss_model *model)
-{
-    return model->kinetic + model->elastic - model->work + model->dissipated;
-}
-
 /* The network goes on in its own time; what its changed flux densities bring or take is work. */
 static void relax_network(ss_model *model, double path)
 {
@@ -663,6 +671,7 @@ static bool try_substep(ss_model *model, progress *p)
         ss_cnn_prescribed_place(model, next, 0.0, 0.0);
         loads = ss_cnn_loads_work(model);
         prepare(model, next);
+        ss_cnn_source_let_go(model);
         gain = energy_balance(model) - loads - balance;
         /* A gain that no hand feels is rounding, as under a tool that stands beside the body. */
         const double energy = model->elastic + model->kinetic;
@@ -730,7 +739,11 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (model->tools.tool[k].is_present) {
-            take_grasp(model, &model->tool[k], tool[k].is_grasping);
+            ss_grasp *grasp = &model->tools.tool[k].grasp;
+            if (tool[k].is_grasping && !grasp->is_pressed) {
+                take_grasp(model, &model->tool[k]);
+            }
+            grasp->is_pressed = tool[k].is_grasping;
         }
     }
     const double balance = energy_balance(model);

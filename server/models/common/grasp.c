@@ -38,6 +38,19 @@ void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const do
     grasp->unfaded_energy = 0.0;
 }
 
+void ss_grasp_stretch(ss_grasp *grasp, const ss_real *force, const ss_tool_pose *pose)
+{
+    for (int32_t i = 0; i < grasp->count; ++i) {
+        const ss_real *f = force + 4 * (ptrdiff_t)grasp->node[i];
+        double stretch[3], turned[3];
+        for (int k = 0; k < 3; ++k) {
+            stretch[k] = (double)f[k] / grasp->stiffness[i];
+        }
+        ss_rotate_back(turned, pose->orientation, stretch);
+        ss_add3(grasp->offset[i], grasp->offset[i], turned);
+    }
+}
+
 void ss_grasp_add_forces(ss_grasp *grasp, const double (*rest)[3], const ss_real *u,
                          const ss_tool_pose *pose, ss_real *force, double tool_force[3],
                          double tool_torque[3])

@@ -35,6 +35,8 @@ void ss_grasp_init(ss_grasp *grasp, int32_t capacity, ss_arena *arena);
 void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const double *weight,
                    double stiffness, const double (*rest)[3], const ss_real *u,
                    const ss_tool_pose *pose);
+/* Stretches the springs just taken so that they push their nodes with `force` (quads) more. */
+void ss_grasp_stretch(ss_grasp *grasp, const ss_real *force, const ss_tool_pose *pose);
 /* Adds the springs' forces to `force`, and to the tool's force and torque; sets `unfaded_energy`.
  */
 void ss_grasp_add_forces(ss_grasp *grasp, const double (*rest)[3], const ss_real *u,

@@ -484,8 +484,11 @@ TEST(a_grasp_starts_without_a_jump_and_lets_go_without_a_gain)
     ss_contact_set set;
     s.class->contacts(s.model, 0, 0.005, &set);
     assert_true(set.is_held);
+    const double weight = s.model->tool[0].weight_sum;
     lift(&s, tool, 0.0007); /* now it pulls */
     settle(&s, 5e-4, tool, 400);
+    assert_near(s.model->tool[0].weight_sum, weight,
+                1e-12 * weight); /* of the cells that it holds */
     assert_true(s.model->tools.tool[0].force[2] < -0.01);
     const double stored = info_of(&s).elastic;
     tool[0].is_grasping = false;
