@@ -2,7 +2,6 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "process.h"
 
-#include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdio.h>
@@ -42,6 +41,15 @@ bool ss_process_raise_priority(void)
 {
     const struct sched_param parameter = {.sched_priority = client_priority};
     return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter) == 0;
+}
+
+void ss_process_init_lock(pthread_mutex_t *lock)
+{
+    pthread_mutexattr_t inherits;
+    pthread_mutexattr_init(&inherits);
+    pthread_mutexattr_setprotocol(&inherits, PTHREAD_PRIO_INHERIT);
+    pthread_mutex_init(lock, &inherits);
+    pthread_mutexattr_destroy(&inherits);
 }
 
 bool ss_process_tell_two(const char *program, const char *consequence, bool are_two)

@@ -8,14 +8,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "indentation.h"
 #include "page_json.h"
 #include "process.h"
+#include "recorder.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
-#include "softsim/log.h"
 
 enum {
     SAMPLES = 600, /* ten seconds of a sixtieth each */
@@ -24,7 +23,7 @@ enum {
     COMMANDS = 64,
     REPLIES = 64,
     RECORDINGS = 256,
-    NAME_SIZE = 64
+    RECORDER_ROOM = 1 << 25 /* bytes: seconds of all that a busy server says */
 };
 static const int64_t FRAME_NS = 16000000;
 static const int64_t HEARTBEAT_NS = 500000000;
@@ -32,7 +31,8 @@ static const int64_t POSE_NS = 4000000;
 static const int64_t IDLE_NS = 20000000;
 static const int64_t SILENT_NS = 2000000000; /* without a status: no server */
 static const int64_t FORCE_SILENT_NS = 500000000;
-static const int64_t MOST_RECORDED = INT64_C(4) << 30; /* bytes */
+static const int64_t MOST_RECORDED = INT64_C(4000000000);         /* bytes of one recording */
+static const int64_t MOST_RECORDED_IN_ALL = INT64_C(16000000000); /* of all of a run */
 
 typedef struct sample {
     float time_s, force, peak, indentation;
@@ -60,18 +60,13 @@ typedef struct reply {
     char text[512];
 } reply;
 
-typedef struct recording {
-    char name[NAME_SIZE];
-    char *path;
-    bool is_finished;
-} recording;
-
 struct ss_hub {
     ss_hub_config config;
     softsim_client *client; /* hub thread */
     pthread_t thread;
     bool has_thread;
     atomic_bool is_ending, is_broken;
+    ss_recorder *recorder;
     pthread_mutex_t lock; /* of all below */
     bool is_changed;
     int64_t start_ns, woken_ns;
@@ -97,13 +92,7 @@ struct ss_hub {
     reply reply[REPLIES];
     uint64_t reply_count;
 
-    softsim_log_writer *log;
-    int64_t recorded;
-    recording recordings[RECORDINGS];
-    int32_t recording_count;
-    bool is_record_wanted;
-    char record_fault[256];
-    uint64_t recording_version;
+    uint64_t recording_version; /* that browsers were woken for */
 };
 
 /* ---- heard: hub thread ---- */
@@ -234,63 +223,10 @@ static void take_reply(void *context, int32_t id, int32_t code, const char *text
     pthread_mutex_unlock(&hub->lock);
 }
 
-/* ---- recording: hub thread, under the lock ---- */
-
-static void end_recording(ss_hub *hub)
-{
-    softsim_error error = {.status = SOFTSIM_OK};
-    recording *last = &hub->recordings[hub->recording_count - 1];
-    last->is_finished = softsim_log_finish(&hub->log, &error) == SOFTSIM_OK;
-    if (!last->is_finished) {
-        snprintf(hub->record_fault, sizeof hub->record_fault, "%.255s", error.text);
-    }
-    hub->is_record_wanted = false;
-    ++hub->recording_version;
-    change(hub);
-}
-
-static void begin_recording(ss_hub *hub)
-{
-    softsim_error error = {.status = SOFTSIM_OK};
-    hub->record_fault[0] = '\0';
-    ++hub->recording_version;
-    change(hub);
-    if (hub->recording_count == RECORDINGS) {
-        hub->is_record_wanted = false;
-        snprintf(hub->record_fault, sizeof hub->record_fault,
-                 "%d recordings are enough for one run; restart softsim-web", RECORDINGS);
-        return;
-    }
-    recording *next = &hub->recordings[hub->recording_count];
-    const time_t now = time(NULL);
-    struct tm parts;
-    char stamp[32] = "";
-    gmtime_r(&now, &parts);
-    strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &parts);
-    snprintf(next->name, sizeof next->name, "softsim-%s-%d.lcmlog", stamp,
-             hub->recording_count + 1);
-    if (asprintf(&next->path, "%s/%s", hub->config.record_dir, next->name) < 0 ||
-        softsim_log_create(next->path, &hub->log, &error) != SOFTSIM_OK) {
-        hub->is_record_wanted = false;
-        snprintf(hub->record_fault, sizeof hub->record_fault, "%.255s", error.text);
-        return;
-    }
-    hub->recorded = 0;
-    ++hub->recording_count;
-}
-
 static void take_raw(void *context, const char *channel, const void *data, int32_t size)
 {
     ss_hub *hub = context;
-    pthread_mutex_lock(&hub->lock);
-    if (hub->log != NULL) {
-        softsim_log_write(hub->log, softsim_client_now_us(), channel, data, size);
-        hub->recorded += size;
-        if (hub->recorded > MOST_RECORDED || softsim_log_has_failed(hub->log)) {
-            end_recording(hub);
-        }
-    }
-    pthread_mutex_unlock(&hub->lock);
+    ss_recorder_take(hub->recorder, softsim_client_now_us(), channel, data, size);
 }
 
 /* ---- the hub's thread ---- */
@@ -334,15 +270,14 @@ static void send_commands(ss_hub *hub)
     }
 }
 
-/* Switches the recording, notes that the server is silent, and wakes the browsers' side when there
- * is something new. When to look again. */
+/* Notes that the server is silent, and wakes the browsers' side when there is something new. When
+ * to look again. */
 static int64_t look_around(ss_hub *hub, int64_t now_ns)
 {
     pthread_mutex_lock(&hub->lock);
-    if (hub->is_record_wanted && hub->log == NULL) {
-        begin_recording(hub);
-    } else if (!hub->is_record_wanted && hub->log != NULL) {
-        end_recording(hub);
+    if (hub->recording_version != ss_recorder_version(hub->recorder)) {
+        hub->recording_version = ss_recorder_version(hub->recorder);
+        change(hub);
     }
     const int64_t heard_ns = hub->status_ns != 0 ? hub->status_ns : hub->start_ns;
     if (!hub->is_silent && now_ns - heard_ns > SILENT_NS) {
@@ -406,16 +341,8 @@ void ss_hub_close(ss_hub **hub)
         return;
     }
     ss_hub_stop(h);
-    if (h->log != NULL) {
-        end_recording(h);
-    }
     softsim_client_close(&h->client);
-    for (int32_t i = 0; i < h->recording_count; ++i) {
-        if (h->config.is_temporary) {
-            remove(h->recordings[i].path);
-        }
-        free(h->recordings[i].path);
-    }
+    ss_recorder_close(&h->recorder);
     ss_body_free(&h->body);
     free(h->scene);
     free(h->status);
@@ -434,11 +361,7 @@ softsim_status ss_hub_open(const ss_hub_config *config, ss_hub **out_hub, softsi
     }
     hub->config = *config;
     hub->start_ns = softsim_client_now_ns();
-    pthread_mutexattr_t lock; /* whom the hub's thread waits for goes on at its priority */
-    pthread_mutexattr_init(&lock);
-    pthread_mutexattr_setprotocol(&lock, PTHREAD_PRIO_INHERIT);
-    pthread_mutex_init(&hub->lock, &lock);
-    pthread_mutexattr_destroy(&lock);
+    ss_process_init_lock(&hub->lock);
     const softsim_client_config client = {.lcm_url = config->lcm_url,
                                           .prefix = config->prefix,
                                           .context = hub,
@@ -452,7 +375,16 @@ softsim_status ss_hub_open(const ss_hub_config *config, ss_hub **out_hub, softsi
                                           .handle_field = take_field,
                                           .handle_pose = take_pose,
                                           .handle_raw = take_raw};
-    softsim_status status = softsim_client_open(&client, &hub->client, error);
+    const ss_recorder_config recorder = {.folder = config->record_dir,
+                                         .is_temporary = config->is_temporary,
+                                         .most_bytes = MOST_RECORDED,
+                                         .most_in_all = MOST_RECORDED_IN_ALL,
+                                         .most_files = RECORDINGS,
+                                         .ring_bytes = RECORDER_ROOM};
+    softsim_status status = ss_recorder_open(&recorder, &hub->recorder, error);
+    if (status == SOFTSIM_OK) {
+        status = softsim_client_open(&client, &hub->client, error);
+    }
     if (status == SOFTSIM_OK && pthread_create(&hub->thread, NULL, run, hub) != 0) {
         status = SOFTSIM_ERROR_SYSTEM;
         softsim_error_add(error, status, "cannot start a thread; raise `ulimit -u`");
@@ -562,18 +494,7 @@ static uint8_t *recording_text(const ss_hub *hub, size_t before, size_t *out_siz
     if (out == NULL) {
         return NULL;
     }
-    fprintf(out, "{\"type\": \"recording\", \"is_recording\": %s, \"fault\": ",
-            hub->log != NULL ? "true" : "false");
-    ss_plain_json(out, hub->record_fault);
-    fputs(", \"files\": [", out);
-    const char *comma = "";
-    for (int32_t i = 0; i < hub->recording_count; ++i) {
-        if (hub->recordings[i].is_finished) {
-            fprintf(out, "%s\"%s\"", comma, hub->recordings[i].name);
-            comma = ", ";
-        }
-    }
-    fputs("]}", out);
+    ss_recorder_tell(hub->recorder, out);
     fclose(out);
     uint8_t *message = json != NULL ? text_message(json, before, out_size) : NULL;
     free(json);
@@ -714,20 +635,10 @@ bool ss_hub_command(ss_hub *hub, const ss_hub_view *view, const char *name, cons
 
 void ss_hub_record(ss_hub *hub, bool is_wanted)
 {
-    pthread_mutex_lock(&hub->lock);
-    hub->is_record_wanted = is_wanted;
-    pthread_mutex_unlock(&hub->lock);
+    ss_recorder_want(hub->recorder, is_wanted);
 }
 
 const char *ss_hub_recording(ss_hub *hub, const char *name)
 {
-    const char *path = NULL;
-    pthread_mutex_lock(&hub->lock);
-    for (int32_t i = 0; i < hub->recording_count; ++i) {
-        if (hub->recordings[i].is_finished && strcmp(hub->recordings[i].name, name) == 0) {
-            path = hub->recordings[i].path;
-        }
-    }
-    pthread_mutex_unlock(&hub->lock);
-    return path;
+    return ss_recorder_path(hub->recorder, name);
 }

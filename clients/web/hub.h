@@ -19,7 +19,9 @@
  * force, indentation. Texts are objects of JSON with a "type": scene, status, reply, hand (who
  * holds the mouse's probe), recording, silent.
  *
- * A recording is an LCM log of all that is heard, poses included: softsim-replay plays it.
+ * A recording is an LCM log of all that is heard, poses included: softsim-replay plays it, and
+ * recorder.h says how it is written and bounded. Its text, additive: is_recording, fault, files,
+ * lost (messages that the last one lacks because the disk was too slow).
  * Thread: any but the hub's own may call; a call is short.
  */
 #include <stdbool.h>
