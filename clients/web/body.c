@@ -12,12 +12,27 @@ enum { TOPOLOGY_FRAME = 1, DELTA_FRAME = 2, FIELD_FRAME = 3 };
 
 void ss_body_free(ss_body_view *body)
 {
-    void *const owned[] = {body->rest,         body->triangle,     body->flag, body->has_node,
-                           body->has_triangle, body->displacement, body->field};
+    void *const owned[] = {
+        body->rest,         body->triangle,    body->flag,  body->has_node, body->has_triangle,
+        body->displacement, body->node_change, body->newer, body->older,    body->field};
     for (size_t i = 0; i < sizeof owned / sizeof owned[0]; ++i) {
         free(owned[i]);
     }
-    *body = (ss_body_view){.generation = body->generation, .change = body->change};
+    *body = (ss_body_view){.generation = body->generation, .change = body->change, .newest = -1};
+}
+
+void ss_body_begin_session(ss_body_view *body)
+{
+    if (body->topology == 0) {
+        return;
+    }
+    const size_t nodes = (size_t)body->node_count;
+    memset(body->displacement, 0, nodes * sizeof body->displacement[0]);
+    memset(body->node_change, 0, nodes * sizeof body->node_change[0]);
+    memset(body->field, 0, nodes * sizeof body->field[0]);
+    body->newest = -1;
+    body->field_change = 0;
+    body->generation += body->is_complete ? 1 : 0;
 }
 
 static bool begin_topology(ss_body_view *body, const softsim_topology_chunk *chunk)
@@ -33,11 +48,15 @@ static bool begin_topology(ss_body_view *body, const softsim_topology_chunk *chu
     body->flag = calloc(nodes, 1);
     body->has_node = calloc(nodes, 1);
     body->displacement = calloc(nodes, sizeof body->displacement[0]);
+    body->node_change = calloc(nodes, sizeof body->node_change[0]);
+    body->newer = calloc(nodes, sizeof body->newer[0]);
+    body->older = calloc(nodes, sizeof body->older[0]);
     body->field = calloc(nodes, sizeof body->field[0]);
     body->triangle = calloc(triangles, sizeof body->triangle[0]);
     body->has_triangle = calloc(triangles, 1);
     if (body->rest == NULL || body->flag == NULL || body->has_node == NULL ||
-        body->displacement == NULL || body->field == NULL || body->triangle == NULL ||
+        body->displacement == NULL || body->node_change == NULL || body->newer == NULL ||
+        body->older == NULL || body->field == NULL || body->triangle == NULL ||
         body->has_triangle == NULL) {
         ss_body_free(body);
         return false;
@@ -79,18 +98,44 @@ bool ss_body_take_topology(ss_body_view *body, const softsim_topology_chunk *chu
     return true;
 }
 
+/* To the list's beginning, with the number of this change. */
+static void note_change(ss_body_view *body, int32_t node, uint64_t change)
+{
+    if (body->node_change[node] != 0) {
+        if (body->newest == node) {
+            body->newest = body->older[node];
+        } else {
+            body->older[body->newer[node]] = body->older[node];
+        }
+        if (body->older[node] >= 0) {
+            body->newer[body->older[node]] = body->newer[node];
+        }
+    }
+    body->node_change[node] = change;
+    body->newer[node] = -1;
+    body->older[node] = body->newest;
+    if (body->newest >= 0) {
+        body->newer[body->newest] = node;
+    }
+    body->newest = node;
+}
+
 void ss_body_take_delta(ss_body_view *body, const softsim_mesh_delta *delta)
 {
+    const uint64_t change = body->change + 1;
     if (delta->topology != body->topology) {
         return;
     }
     for (int32_t i = 0; i < delta->count; ++i) {
-        if (delta->node[i] < body->node_count) {
-            memcpy(body->displacement[delta->node[i]], delta->displacement + 3 * (size_t)i,
-                   sizeof body->displacement[0]);
+        const int32_t node = delta->node[i];
+        const int16_t *displacement = delta->displacement + 3 * (size_t)i;
+        if (node < body->node_count &&
+            memcmp(body->displacement[node], displacement, sizeof body->displacement[0]) != 0) {
+            memcpy(body->displacement[node], displacement, sizeof body->displacement[0]);
+            note_change(body, node, change);
+            body->change = change;
         }
     }
-    ++body->change;
 }
 
 void ss_body_take_field(ss_body_view *body, const softsim_mesh_field *field)
@@ -145,11 +190,8 @@ static uint8_t *topology_frame(const ss_body_view *body, ss_body_copy *copy, siz
                                size_t *out_size)
 {
     const size_t nodes = (size_t)body->node_count, triangles = (size_t)body->triangle_count;
-    int16_t(*counts)[3] = calloc(nodes, sizeof counts[0]);
     frame f = {0};
-    if (counts == NULL ||
-        !begin_frame(&f, before, 16 + nodes * 13 + triangles * 12, TOPOLOGY_FRAME)) {
-        free(counts);
+    if (!begin_frame(&f, before, 16 + nodes * 13 + triangles * 12, TOPOLOGY_FRAME)) {
         return NULL;
     }
     put(&f, &body->node_count, 4);
@@ -158,10 +200,7 @@ static uint8_t *topology_frame(const ss_body_view *body, ss_body_copy *copy, siz
     put(&f, body->rest, nodes * sizeof body->rest[0]);
     put(&f, body->triangle, triangles * sizeof body->triangle[0]);
     put(&f, body->flag, nodes);
-    ss_body_free_copy(copy);
-    *copy = (ss_body_copy){.generation = body->generation,
-                           .change = body->change - 1, /* a first delta tells what is displaced */
-                           .displacement = counts};
+    *copy = (ss_body_copy){.generation = body->generation};
     return end_frame(&f, out_size);
 }
 
@@ -169,25 +208,22 @@ static uint8_t *delta_frame(const ss_body_view *body, ss_body_copy *copy, size_t
                             size_t *out_size)
 {
     uint32_t count = 0;
-    for (int32_t i = 0; i < body->node_count; ++i) {
-        count +=
-            memcmp(body->displacement[i], copy->displacement[i], sizeof body->displacement[0]) != 0;
+    int32_t node = body->newest;
+    for (; node >= 0 && body->node_change[node] > copy->change; node = body->older[node]) {
+        ++count;
     }
     frame f = {0};
-    copy->change = body->change;
     if (count == 0 || !begin_frame(&f, before, 8 + (size_t)count * 10, DELTA_FRAME)) {
         return NULL;
     }
+    copy->change = body->change;
     put(&f, &count, 4);
     uint8_t *numbers = f.at + (size_t)count * 4; /* behind the nodes */
-    for (uint32_t i = 0; i < (uint32_t)body->node_count; ++i) {
-        if (memcmp(body->displacement[i], copy->displacement[i], sizeof body->displacement[0]) !=
-            0) {
-            put(&f, &i, 4);
-            memcpy(numbers, body->displacement[i], sizeof body->displacement[0]);
-            memcpy(copy->displacement[i], body->displacement[i], sizeof body->displacement[0]);
-            numbers += sizeof body->displacement[0];
-        }
+    node = body->newest;
+    for (uint32_t i = 0; i < count; ++i, node = body->older[node]) {
+        put(&f, &node, 4);
+        memcpy(numbers, body->displacement[node], sizeof body->displacement[0]);
+        numbers += sizeof body->displacement[0];
     }
     f.at = numbers;
     return end_frame(&f, out_size);
@@ -197,13 +233,13 @@ static uint8_t *field_frame(const ss_body_view *body, ss_body_copy *copy, size_t
                             size_t *out_size)
 {
     frame f = {0};
-    copy->field_change = body->field_change;
     if (!begin_frame(&f, before,
                      16 + sizeof body->field_name + sizeof body->field_unit +
                          (size_t)body->node_count * 2,
                      FIELD_FRAME)) {
         return NULL;
     }
+    copy->field_change = body->field_change;
     put(&f, &body->node_count, 4);
     put(&f, &body->field_low, 4);
     put(&f, &body->field_high, 4);
@@ -213,34 +249,25 @@ static uint8_t *field_frame(const ss_body_view *body, ss_body_copy *copy, size_t
     return end_frame(&f, out_size);
 }
 
-bool ss_body_is_due(const ss_body_view *body, const ss_body_copy *copy)
+bool ss_body_has_topology(const ss_body_view *body, const ss_body_copy *copy)
 {
-    return body->is_complete &&
-           (copy->generation != body->generation || copy->change != body->change ||
-            copy->field_change != body->field_change);
+    return !body->is_complete || copy->generation == body->generation;
 }
 
 uint8_t *ss_body_frame(const ss_body_view *body, ss_body_copy *copy, size_t before,
                        size_t *out_size)
 {
-    uint8_t *message = NULL;
     if (!body->is_complete) {
         return NULL;
     }
-    if (copy->generation != body->generation) {
+    if (!ss_body_has_topology(body, copy)) {
         return topology_frame(body, copy, before, out_size);
     }
-    if (copy->change != body->change) {
+    const bool has_field = copy->field_change != body->field_change;
+    uint8_t *message = NULL;
+    if (copy->change != body->change && !(has_field && copy->is_turn_of_field)) {
         message = delta_frame(body, copy, before, out_size);
     }
-    if (message == NULL && copy->field_change != body->field_change) {
-        message = field_frame(body, copy, before, out_size);
-    }
-    return message;
-}
-
-void ss_body_free_copy(ss_body_copy *copy)
-{
-    free(copy->displacement);
-    *copy = (ss_body_copy){0};
+    copy->is_turn_of_field = message != NULL;
+    return message == NULL && has_field ? field_frame(body, copy, before, out_size) : message;
 }

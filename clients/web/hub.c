@@ -17,9 +17,8 @@
 #include "rt/vec.h"
 
 enum {
-    SAMPLES = 600, /* ten seconds of a sixtieth each */
+    SAMPLES = 640, /* ten seconds, of FRAME_NS each */
     STATE_FLOATS = 27,
-    SAMPLE_FLOATS = 4,
     COMMANDS = 64,
     REPLIES = 64,
     RECORDINGS = 256,
@@ -29,7 +28,8 @@ static const int64_t FRAME_NS = 16000000;
 static const int64_t HEARTBEAT_NS = 500000000;
 static const int64_t POSE_NS = 4000000;
 static const int64_t IDLE_NS = 20000000;
-static const int64_t SILENT_NS = 2000000000; /* without a status: no server */
+static const int64_t SILENT_NS = 1000000000; /* without a status, of four a second: no server */
+static const int64_t DEVICE_NS = 500000000;  /* as long as a server keeps a probe for it */
 static const int64_t FORCE_SILENT_NS = 500000000;
 static const int64_t MOST_RECORDED = INT64_C(4000000000);         /* bytes of one recording */
 static const int64_t MOST_RECORDED_IN_ALL = INT64_C(16000000000); /* of all of a run */
@@ -76,13 +76,16 @@ struct ss_hub {
     char *scene, *status; /* JSON; NULL: not heard of */
     uint64_t scene_version, status_version;
     int64_t status_ns;
+    int64_t session; /* of the server whose status came last */
     bool is_silent;
     uint64_t silence_version;
 
     ss_mouse mouse;
     int32_t mouse_probe;
-    int64_t mouse_browser; /* 0: nobody */
-    bool is_refused;       /* another client holds the probe */
+    int64_t mouse_browser;                 /* 0: nobody */
+    bool is_refused;                       /* another client holds the probe */
+    int64_t device_ns[SOFTSIM_MAX_PROBES]; /* when another program last moved it; 0: never */
+    uint8_t devices;                       /* bit n: one moves probe n */
     uint64_t hand_version;
     int32_t pose_seq;
 
@@ -120,6 +123,9 @@ static void take_pose(void *context, const softsim_pose *pose, int32_t channel)
     ss_hub *hub = context;
     pthread_mutex_lock(&hub->lock);
     probe_state *probe = &hub->probe[channel];
+    if (pose->sender != softsim_client_sender(hub->client)) {
+        hub->device_ns[channel] = softsim_client_now_ns();
+    }
     /* Of who is answered; at first of anyone. */
     if (ss_is_finite(pose->position, 3) && ss_is_finite(pose->orientation, 4) &&
         (probe->heard_ns == 0 || pose->sender == probe->force.sender)) {
@@ -185,7 +191,12 @@ static void take_status(void *context, const softsim_server_status *status, int6
 {
     ss_hub *hub = context;
     char *json = ss_json_of_status(status);
+    const int64_t session = ss_session_of(status);
     pthread_mutex_lock(&hub->lock);
+    if (hub->status_ns != 0 && session != hub->session) {
+        ss_body_begin_session(&hub->body);
+    }
+    hub->session = session;
     renew(&hub->status, json, &hub->status_version);
     hub->status_ns = receive_ns;
     if (hub->is_silent) {
@@ -196,11 +207,25 @@ static void take_status(void *context, const softsim_server_status *status, int6
     pthread_mutex_unlock(&hub->lock);
 }
 
+/* How far a pose may be from the one before, as the server has it now; 0 when it does not say. */
+static double max_jump_of(const softsim_scene_report *scene)
+{
+    static const char key[] = "haptic.max_jump_m=";
+    for (int32_t i = 0; i < scene->parameter_count; ++i) {
+        if (strncmp(scene->parameter[i], key, sizeof key - 1) == 0) {
+            const double jump_m = strtod(scene->parameter[i] + sizeof key - 1, NULL);
+            return isfinite(jump_m) && jump_m > 0.0 ? jump_m : 0.0;
+        }
+    }
+    return 0.0;
+}
+
 static void take_scene(void *context, const softsim_scene_report *scene)
 {
     ss_hub *hub = context;
-    char *json = ss_json_of_scene(scene);
+    char *json = ss_json_of_scene(scene, hub->session);
     pthread_mutex_lock(&hub->lock);
+    hub->mouse.max_jump_m = max_jump_of(scene);
     if (hub->scene == NULL || json == NULL || strcmp(hub->scene, json) != 0) {
         renew(&hub->scene, json, &hub->scene_version);
         change(hub);
@@ -270,8 +295,23 @@ static void send_commands(ss_hub *hub)
     }
 }
 
-/* Notes that the server is silent, and wakes the browsers' side when there is something new. When
- * to look again. */
+/* Notes which probes other programs move, by now. */
+static void look_for_devices(ss_hub *hub, int64_t now_ns)
+{
+    uint8_t devices = 0;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        const bool is_moved = hub->device_ns[p] != 0 && now_ns - hub->device_ns[p] < DEVICE_NS;
+        devices |= (uint8_t)(is_moved ? 1U << p : 0);
+    }
+    if (devices != hub->devices) {
+        hub->devices = devices;
+        ++hub->hand_version;
+        change(hub);
+    }
+}
+
+/* Notes who has fallen silent, and wakes the browsers' side when there is something new. When to
+ * look again. */
 static int64_t look_around(ss_hub *hub, int64_t now_ns)
 {
     pthread_mutex_lock(&hub->lock);
@@ -279,6 +319,7 @@ static int64_t look_around(ss_hub *hub, int64_t now_ns)
         hub->recording_version = ss_recorder_version(hub->recorder);
         change(hub);
     }
+    look_for_devices(hub, now_ns);
     const int64_t heard_ns = hub->status_ns != 0 ? hub->status_ns : hub->start_ns;
     if (!hub->is_silent && now_ns - heard_ns > SILENT_NS) {
         hub->is_silent = true;
@@ -404,59 +445,54 @@ bool ss_hub_is_broken(const ss_hub *hub)
 
 /* ---- for browsers ---- */
 
+static float *put_numbers(float *at, const double *value, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        *at++ = (float)value[i];
+    }
+    return at;
+}
+
+/* As hub.h has it. */
+static void describe_force(const probe_state *probe, float out_state[STATE_FLOATS])
+{
+    static const double upright[4] = {1.0, 0.0, 0.0, 0.0};
+    const softsim_force *f = &probe->force;
+    const double last[] = {f->depth, probe->indentation.value, f->stiffness,
+                           1e-6 * (double)f->model_age_us};
+    float *at = out_state;
+    *at++ = (float)f->flags;
+    at = put_numbers(at, probe->has_pose ? probe->pose.position : f->proxy, 3);
+    at = put_numbers(at, probe->has_pose ? probe->pose.orientation : upright, 4);
+    at = put_numbers(at, f->proxy, 3);
+    at = put_numbers(at, f->point, 3);
+    at = put_numbers(at, f->normal, 3);
+    at = put_numbers(at, f->force, 3);
+    at = put_numbers(at, f->torque, 3);
+    put_numbers(at, last, 4);
+}
+
 static uint8_t *force_frame(const ss_hub *hub, ss_hub_view *view, int32_t p, size_t before,
                             size_t *out_size)
 {
     const probe_state *probe = &hub->probe[p];
-    const softsim_force *f = &probe->force;
     const uint64_t oldest = probe->count > SAMPLES ? probe->count - SAMPLES : 0;
     uint64_t next = view->sample[p] > oldest ? view->sample[p] : oldest;
     const uint16_t count = (uint16_t)(probe->count - next);
-    *out_size = 4 + (STATE_FLOATS + (size_t)count * SAMPLE_FLOATS) * sizeof(float);
+    float state[STATE_FLOATS];
+    *out_size = 4 + sizeof state + (size_t)count * sizeof(sample);
     uint8_t *frame = malloc(before + *out_size);
     if (frame == NULL) {
         return NULL;
     }
-    const double *x = probe->has_pose ? probe->pose.position : f->proxy;
-    const double upright[4] = {1.0, 0.0, 0.0, 0.0};
-    const double *q = probe->has_pose ? probe->pose.orientation : upright;
-    const double state[STATE_FLOATS] = {f->flags,
-                                        x[0],
-                                        x[1],
-                                        x[2],
-                                        q[0],
-                                        q[1],
-                                        q[2],
-                                        q[3],
-                                        f->proxy[0],
-                                        f->proxy[1],
-                                        f->proxy[2],
-                                        f->point[0],
-                                        f->point[1],
-                                        f->point[2],
-                                        f->normal[0],
-                                        f->normal[1],
-                                        f->normal[2],
-                                        f->force[0],
-                                        f->force[1],
-                                        f->force[2],
-                                        f->torque[0],
-                                        f->torque[1],
-                                        f->torque[2],
-                                        f->depth,
-                                        probe->indentation.value,
-                                        f->stiffness,
-                                        1e-6 * (double)f->model_age_us};
     uint8_t *at = frame + before;
     *at++ = 4;
     *at++ = (uint8_t)p;
     memcpy(at, &count, sizeof count);
     at += sizeof count;
-    for (int i = 0; i < STATE_FLOATS; ++i) {
-        const float value = (float)state[i];
-        memcpy(at, &value, sizeof value);
-        at += sizeof value;
-    }
+    describe_force(probe, state);
+    memcpy(at, state, sizeof state);
+    at += sizeof state;
     for (; next < probe->count; ++next) {
         memcpy(at, &probe->ring[next % SAMPLES], sizeof(sample));
         at += sizeof(sample);
@@ -477,12 +513,22 @@ static uint8_t *text_message(const char *text, size_t before, size_t *out_size)
 
 static uint8_t *hand_text(const ss_hub *hub, const ss_hub_view *view, size_t before, size_t *size)
 {
-    char text[160];
+    char devices[4 * SOFTSIM_MAX_PROBES] = "", text[224];
+    int length = 0;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if ((hub->devices >> p & 1) != 0) {
+            length += snprintf(devices + length, sizeof devices - (size_t)length, "%s%d",
+                               length > 0 ? ", " : "", p);
+        }
+    }
     const char *who = hub->mouse_browser == 0               ? "nobody"
                       : hub->mouse_browser == view->browser ? "you"
                                                             : "another browser";
-    snprintf(text, sizeof text, "{\"type\": \"hand\", \"holder\": \"%s\", \"refused\": %s}", who,
-             hub->is_refused && hub->mouse_browser != 0 ? "true" : "false");
+    snprintf(text, sizeof text,
+             "{\"type\": \"hand\", \"holder\": \"%s\", \"refused\": %s, \"probe\": %d, "
+             "\"devices\": [%s]}",
+             who, hub->is_refused && hub->mouse_browser != 0 ? "true" : "false",
+             hub->mouse_browser != 0 ? hub->mouse_probe : -1, devices);
     return text_message(text, before, size);
 }
 
@@ -560,6 +606,10 @@ uint8_t *ss_hub_next(ss_hub *hub, ss_hub_view *view, size_t before, size_t *out_
     pthread_mutex_lock(&hub->lock);
     *out_is_text = true;
     uint8_t *message = next_text(hub, view, before, out_size);
+    if (message == NULL && !ss_body_has_topology(&hub->body, &view->body)) {
+        *out_is_text = false; /* what a late browser's first forces are of */
+        message = ss_body_frame(&hub->body, &view->body, before, out_size);
+    }
     const int64_t now_ns = softsim_client_now_ns();
     for (int32_t p = 0; message == NULL && p < SOFTSIM_MAX_PROBES; ++p) {
         const probe_state *probe = &hub->probe[p];
@@ -576,29 +626,16 @@ uint8_t *ss_hub_next(ss_hub *hub, ss_hub_view *view, size_t before, size_t *out_
     return message;
 }
 
-static void drop(ss_hub *hub, int64_t browser)
+void ss_hub_drop(ss_hub *hub, const ss_hub_view *view)
 {
-    if (hub->mouse_browser == browser) {
+    pthread_mutex_lock(&hub->lock);
+    if (hub->mouse_browser == view->browser) {
         ss_mouse_drop(&hub->mouse);
         hub->mouse_browser = 0;
         hub->is_refused = false;
         ++hub->hand_version;
         change(hub);
     }
-}
-
-void ss_hub_forget(ss_hub *hub, ss_hub_view *view)
-{
-    pthread_mutex_lock(&hub->lock);
-    drop(hub, view->browser);
-    pthread_mutex_unlock(&hub->lock);
-    ss_body_free_copy(&view->body);
-}
-
-void ss_hub_drop(ss_hub *hub, const ss_hub_view *view)
-{
-    pthread_mutex_lock(&hub->lock);
-    drop(hub, view->browser);
     pthread_mutex_unlock(&hub->lock);
 }
 

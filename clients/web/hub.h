@@ -16,12 +16,21 @@
  *   forces  u8 4, u8 probe, u16 samples, f32 state[27], f32 sample[samples][4], little-endian;
  * state: flags, position 3, orientation 4 (w x y z), proxy 3, point 3, normal 3, force 3, torque 3,
  * depth, indentation, stiffness, age of the model's result in s; sample: time in s, force, greatest
- * force, indentation. Texts are objects of JSON with a "type": scene, status, reply, hand (who
- * holds the mouse's probe), recording, silent.
+ * force, indentation. A browser gets the surface before its first forces.
+ *
+ * Texts are objects of JSON with a "type":
+ *   scene      what scene_t has; session
+ *   status     status: all that server_status_t has; paused; session
+ *   silent     is_silent: for a second no status has come
+ *   reply      code, text: to a command of this browser
+ *   hand       holder of the mouse's probe (you, another browser, nobody); probe, -1 when nobody;
+ *              refused: another program has it; devices: probes that other programs move
+ *   recording  is_recording, fault, files, lost: messages that the last one lacks since the disk
+ *              was too slow
+ * session is another number for each start of a server; with it the surface comes anew, at rest.
  *
  * A recording is an LCM log of all that is heard, poses included: softsim-replay plays it, and
- * recorder.h says how it is written and bounded. Its text, additive: is_recording, fault, files,
- * lost (messages that the last one lacks because the disk was too slow).
+ * recorder.h says how it is written and bounded.
  * Thread: any but the hub's own may call; a call is short.
  */
 #include <stdbool.h>
@@ -43,7 +52,7 @@ typedef struct ss_hub_config {
     void *context;
 } ss_hub_config;
 
-/* What one browser has been told. Zero at its start; ended with ss_hub_forget. */
+/* What one browser has been told. Zero at its start. */
 typedef struct ss_hub_view {
     int64_t browser; /* its number, not 0 */
     ss_body_copy body;
@@ -64,14 +73,13 @@ bool ss_hub_is_broken(const ss_hub *hub);
  * it; NULL when it has all there is. */
 uint8_t *ss_hub_next(ss_hub *hub, ss_hub_view *view, size_t before, size_t *out_size,
                      bool *out_is_text);
-/* A browser has gone: the probe that it holds is let go. */
-void ss_hub_forget(ss_hub *hub, ss_hub_view *view);
 
 /* Sends a command; the reply comes as a text to that browser alone. False: too many wait. */
 bool ss_hub_command(ss_hub *hub, const ss_hub_view *view, const char *name, const char *argument);
 /* Aims the mouse's probe number `probe`, taking it where nobody holds it. False: another browser
  * does, or the aim is bad. */
 bool ss_hub_aim(ss_hub *hub, const ss_hub_view *view, int32_t probe, const ss_mouse_aim *aim);
+/* Lets go of the probe, where this browser holds it. */
 void ss_hub_drop(ss_hub *hub, const ss_hub_view *view);
 /* Starts or ends a recording. */
 void ss_hub_record(ss_hub *hub, bool is_wanted);

@@ -9,8 +9,9 @@
 
 static const int64_t SILENCE_NS = 70000000; /* the server lets go of a pose after 50 ticks */
 static const int64_t PATIENCE_NS = 1500000000;
-static const double RATE = 40.0;    /* rad/s */
-static const double FASTEST = 1.0;  /* m/s */
+static const double RATE = 40.0;   /* rad/s */
+static const double FASTEST = 1.0; /* m/s */
+static const double JUMP_SHARE = 0.25;
 static const double REACH = 0.03;   /* m: further away is approached by silence */
 static const double FARTHEST = 1e3; /* m */
 
@@ -67,7 +68,8 @@ static void follow(ss_mouse *mouse, double passed_s)
         mouse->velocity[d] = (slope - RATE * (off + slope * passed_s)) * fade;
         step[d] = next - mouse->position[d];
     }
-    const double longest = FASTEST * passed_s, length = ss_norm3(step);
+    const double allowed = mouse->max_jump_m > 0.0 ? JUMP_SHARE * mouse->max_jump_m : FARTHEST;
+    const double longest = fmin(FASTEST * passed_s, allowed), length = ss_norm3(step);
     const double share = length > longest ? longest / length : 1.0;
     for (int d = 0; d < 3; ++d) {
         mouse->position[d] += share * step[d];

@@ -8,6 +8,8 @@
  *
  *   x'' = w^2 (a - x) - 2 w x',  w = 40 rad/s, |x'| <= 1 m/s,
  *
+ * and from one pose to the next no further than a quarter of max_jump_m, since three in a row may
+ * be lost,
  * integrated exactly over each period (the closed form of equal roots), and its orientation goes
  * along the shortest arc at the same rate. A place that is out of reach is approached by silence:
  * after 70 ms without a pose the server takes the next one wherever it is.
@@ -26,6 +28,7 @@ typedef struct ss_mouse_aim {
 } ss_mouse_aim;
 
 typedef struct ss_mouse {
+    double max_jump_m; /* parameter: the server's; 0: not known */
     bool is_held;
     ss_mouse_aim aim;
     double position[3], velocity[3], orientation[4];

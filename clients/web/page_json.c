@@ -2,6 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "page_json.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +10,14 @@
 
 #include "rt/plain.h"
 #include "status_json.h"
+
+int64_t ss_session_of(const softsim_server_status *status)
+{
+    const double uptime_us = 1e6 * status->uptime_s;
+    return fabs(uptime_us) < 1e18 && llabs(status->utime) < INT64_C(1000000000000000000)
+               ? status->utime - llround(uptime_us)
+               : 0;
+}
 
 /* JSON as `put` writes it; NULL when out of memory. */
 static char *json_of(void (*put)(FILE *out, const void *what), const void *what)
@@ -24,11 +33,14 @@ static char *json_of(void (*put)(FILE *out, const void *what), const void *what)
     return json;
 }
 
-static void put_status(FILE *out, const void *status)
+static void put_status(FILE *out, const void *what)
 {
+    const softsim_server_status *status = what;
     fputs("{\"type\": \"status\", \"status\": ", out);
     ss_status_json(out, status);
-    fputs("}", out);
+    fprintf(out, ", \"paused\": %s, \"session\": %" PRId64 "}",
+            (status->fault_bits & SOFTSIM_STATUS_PAUSED) != 0 ? "true" : "false",
+            ss_session_of(status));
 }
 
 char *ss_json_of_status(const softsim_server_status *status)
@@ -72,9 +84,14 @@ static bool put_parameter(FILE *out, const char *text, bool is_first)
     return true;
 }
 
+typedef struct scene_of {
+    const softsim_scene_report *scene;
+    int64_t session;
+} scene_of;
+
 static void put_scene(FILE *out, const void *what)
 {
-    const softsim_scene_report *scene = what;
+    const softsim_scene_report *scene = ((const scene_of *)what)->scene;
     const struct {
         const char *key, *text;
     } texts[] = {{"name", scene->name}, {"model", scene->model}, {"field", scene->field}};
@@ -99,10 +116,10 @@ static void put_scene(FILE *out, const void *what)
     for (int32_t i = 0; i < scene->parameter_count; ++i) {
         is_first = !put_parameter(out, scene->parameter[i], is_first) && is_first;
     }
-    fputs("]}", out);
+    fprintf(out, "], \"session\": %" PRId64 "}", ((const scene_of *)what)->session);
 }
 
-char *ss_json_of_scene(const softsim_scene_report *scene)
+char *ss_json_of_scene(const softsim_scene_report *scene, int64_t session)
 {
-    return json_of(put_scene, scene);
+    return json_of(put_scene, &(scene_of){scene, session});
 }

@@ -330,7 +330,7 @@ static void close_browser(ss_serve *serve, browser *b)
     if (b->is_open) {
         b->is_open = false;
         --serve->browsers;
-        ss_hub_forget(serve->hub, &b->view);
+        ss_hub_drop(serve->hub, &b->view);
     }
 }
 

@@ -18,6 +18,9 @@
 
 #include "softsim/types.h"
 
+/* The bit of fault_bits that is no fault: the server is paused, whatever the reason speaks of. */
+#define SOFTSIM_STATUS_PAUSED (1 << 19)
+
 /* clang-format off */
 #define SOFTSIM_SERVER_STATUS_LIST(SCALAR, ARRAY, TEXT)                                            \
     SCALAR(int64_t, utime, "", "")                       /* us, the server's own clock */          \

@@ -83,8 +83,10 @@ static void judge(ss_loops *loops, softsim_server_status *status)
             status->reason = loops->slow_reason;
         }
     }
-    if (loops->simulation_stats.is_paused && !*status->reason) {
-        status->reason = "paused: forces are zero until the command resume";
+    if (loops->simulation_stats.is_paused) {
+        status->fault_bits |= SOFTSIM_STATUS_PAUSED;
+        status->reason =
+            *status->reason ? status->reason : "paused: forces are zero until the command resume";
     }
     const char *reason = probe_reason(loops);
     if (reason && !*status->reason) {

@@ -8,6 +8,7 @@
 
 #include <arpa/inet.h>
 #include <dirent.h>
+#include <inttypes.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -194,8 +195,9 @@ static void expect_text(int fd, const char *part)
     size_t size = 0;
     for (;;) {
         const int kind = hear_frame(fd, &size);
-        assert_int_not_equal(kind, 0);
-        assert_int_not_equal(kind, CLOSE);
+        if (kind == 0 || kind == CLOSE) {
+            fail_msg("the connection has ended before %s", part);
+        }
         if (kind == TEXT && strstr((const char *)message, part) != NULL) {
             return;
         }
@@ -259,13 +261,28 @@ static void stop_web(int status)
     }
 }
 
-static int start_all(void **state)
+static bool start_server(void)
 {
-    make_folder(state);
     const char *const argv[] = {"softsimd", SOURCE_DIR "/server/scenes/kidney.yaml", "--realtime",
                                 "off", NULL};
     process_start(&server, argv, NULL);
-    return process_wait_for(&server, "softsimd: ready") ? 0 : -1;
+    return process_wait_for(&server, "softsimd: ready");
+}
+
+static int start_all(void **state)
+{
+    make_folder(state);
+    return start_server() ? 0 : -1;
+}
+
+/* The number behind `key` in the last text. */
+static double number_of(const char *key)
+{
+    const char *at = strstr((const char *)message, key);
+    double number = 0.0;
+    assert_non_null(at);
+    assert_int_equal(sscanf(at + strlen(key), "%lf", &number), 1);
+    return number;
 }
 
 /* Also of a test that failed. */
@@ -381,6 +398,112 @@ TEST_WITH(a_browser_sees_the_body_and_pushes_it, NULL, end_web)
     send_line(other, "command reset");
     expect_text(other, "\"type\": \"reply\", \"code\": 0");
     close(other);
+    stop_web(0);
+}
+
+/* Presses half a millimetre into the kidney until `frames` frames of that kind have come. */
+static void press(int fd, int kind, int frames)
+{
+    for (int i = 0; i < frames; ++i) {
+        assert_true(send_line(fd, "aim 0 0 0.006 0.0258 1 0 0 0 0"));
+        expect_frame(fd, kind);
+    }
+}
+
+/* Whatever else the server has to say of itself. */
+TEST_WITH(a_browser_knows_that_the_server_is_paused, NULL, end_web)
+{
+    start_web("127.0.0.1", NULL, NULL);
+    const int fd = open_browser();
+    expect_text(fd, "\"type\": \"status\"");
+    assert_non_null(strstr((const char *)message, "\"paused\": false"));
+    send_line(fd, "command set publish.max_bytes_per_s=10000");
+    send_line(fd, "command pause");
+    do {
+        expect_text(fd, "publish.max_bytes_per_s delays the mesh");
+    } while (strstr((const char *)message, "\"paused\": true") == NULL);
+    send_line(fd, "command resume");
+    expect_text(fd, "\"paused\": false");
+    send_line(fd, "command set publish.max_bytes_per_s=8000000");
+    expect_text(fd, "\"type\": \"reply\", \"code\": 0, \"text\": \"publish.max_bytes_per_s = 8");
+    close(fd);
+    stop_web(0);
+}
+
+/* The surface before the forces, which are of ten seconds, so that none of them is of nothing. */
+TEST_WITH(a_late_browser_gets_the_forces_of_before, NULL, end_web)
+{
+    enum { FRAMES = 100 };
+    start_web("127.0.0.1", NULL, NULL);
+    const int early = open_browser();
+    expect_frame(early, TOPOLOGY_FRAME);
+    press(early, FORCE_FRAME, FRAMES);
+    const int late = open_browser();
+    size_t size = 0;
+    while (hear_frame(late, &size) != BINARY) {
+    }
+    assert_int_equal(message[0], TOPOLOGY_FRAME);
+    expect_frame(late, FORCE_FRAME);
+    uint16_t samples = 0;
+    memcpy(&samples, message + 2, sizeof samples);
+    assert_true(samples >= FRAMES);
+    close(early);
+    close(late);
+    stop_web(0);
+}
+
+/* The same body, and not one of the old dents. */
+TEST_WITH(a_server_that_starts_again_is_shown_afresh, NULL, end_web)
+{
+    start_web("127.0.0.1", NULL, NULL);
+    const int fd = open_browser();
+    expect_text(fd, "\"type\": \"status\"");
+    const double session = number_of("\"session\": ");
+    expect_frame(fd, TOPOLOGY_FRAME);
+    press(fd, DELTA_FRAME, 3);
+    send_line(fd, "drop");
+    process_signal(&server, SIGTERM);
+    assert_int_equal(process_finish(&server), 0);
+    expect_text(fd, "\"type\": \"silent\", \"is_silent\": true");
+    assert_true(start_server());
+    expect_text(fd, "\"type\": \"status\"");
+    assert_true(number_of("\"session\": ") != session);
+    expect_text(fd, "\"is_silent\": false");
+    expect_frame(fd, TOPOLOGY_FRAME);
+    close(fd);
+    stop_web(0);
+}
+
+/* A server that takes steps of two millimetres only, and a mouse that jumps by thirty. */
+TEST_WITH(no_pose_jumps_further_than_the_server_takes, NULL, end_web)
+{
+    enum { JUMPS = 10 };
+    start_web("127.0.0.1", NULL, NULL);
+    const int fd = open_browser();
+    send_line(fd, "command set haptic.max_jump_m=0.002");
+    expect_text(fd, "{\"path\": \"haptic.max_jump_m\", \"value\": \"0.002\"");
+    for (int i = 0; i < JUMPS; ++i) {
+        const float y = i % 2 == 0 ? 0.06F : 0.09F;
+        float place[4] = {0};
+        char line[64];
+        snprintf(line, sizeof line, "aim 0 0 0.006 %.3f 1 0 0 0 0", (double)y);
+        do {
+            assert_true(send_line(fd, line));
+            expect_frame(fd, FORCE_FRAME);
+            memcpy(place, message + 4, sizeof place);
+        } while (fabsf(place[3] - y) > 1e-3F);
+    }
+    expect_text(fd, "\"type\": \"status\"");
+    expect_text(fd, "\"type\": \"status\"");
+    int64_t jumps = -1;
+    const char *refused = strstr((const char *)message, "\"poses_refused\": [");
+    assert_non_null(refused);
+    assert_int_equal(sscanf(refused, "\"poses_refused\": [%*d, %*d, %*d, %*d, %" SCNd64, &jumps),
+                     1);
+    assert_int_equal(jumps, 0);
+    send_line(fd, "command set haptic.max_jump_m=0.05");
+    expect_text(fd, "\"type\": \"reply\", \"code\": 0, \"text\": \"haptic.max_jump_m = 0.05");
+    close(fd);
     stop_web(0);
 }
 

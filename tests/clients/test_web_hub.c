@@ -79,7 +79,6 @@ static int open_hub(void **state)
 
 static int close_hub(void **state)
 {
-    ss_hub_forget(hub, &view);
     ss_hub_close(&hub);
     lcm_destroy(lcm);
     return remove_folder(state);

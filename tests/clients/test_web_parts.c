@@ -10,6 +10,7 @@
 
 #include "body.h"
 #include "mouse.h"
+#include "rt/random.h"
 #include "rt/vec.h"
 
 /* ---- the body ---- */
@@ -84,10 +85,8 @@ TEST_WITH(a_body_is_shown_when_all_of_it_is_there, NULL, forget_body)
     uint32_t number = 0;
     assert_true(take_chunk(1, 3, 3, 2, 2));
     assert_true(take_chunk(1, 3, 3, 2, 2)); /* twice counts once */
-    assert_false(ss_body_is_due(&body, &copy));
     assert_int_equal(next_frame(&copy), 0);
     assert_true(take_chunk(1, 0, 3, 0, 2));
-    assert_true(ss_body_is_due(&body, &copy));
     assert_int_equal(next_frame(&copy), 1);
     assert_int_equal(size, 16 + NODES * 13 + TRIANGLES * 12);
     memcpy(&number, frame + 4, 4);
@@ -97,7 +96,23 @@ TEST_WITH(a_body_is_shown_when_all_of_it_is_there, NULL, forget_body)
     assert_true(last == 3 * NODES - 1);
     assert_int_equal(frame[size - 1], 1); /* flag of node 5 */
     assert_int_equal(next_frame(&copy), 0);
-    ss_body_free_copy(&copy);
+}
+
+/* What the last frame, of kind 2, says of `node`; INT16_MIN: nothing. Its nodes in `*out_count`. */
+static int16_t told_of(uint32_t node, uint32_t *out_count)
+{
+    int16_t x = INT16_MIN;
+    memcpy(out_count, frame + 4, 4);
+    assert_int_equal(size, 8 + 10 * *out_count);
+    for (uint32_t i = 0; i < *out_count; ++i) {
+        uint32_t number = 0;
+        memcpy(&number, frame + 8 + 4 * i, 4);
+        if (number == node) {
+            assert_true(x == INT16_MIN); /* once only */
+            memcpy(&x, frame + 8 + 4 * *out_count + 6 * i, 2);
+        }
+    }
+    return x;
 }
 
 /* One that takes every frame and one that takes none in between end with the same. */
@@ -111,23 +126,67 @@ TEST_WITH(a_slow_browser_gets_what_it_lacks_and_no_more, NULL, forget_body)
     for (int16_t x = 1; x <= 50; ++x) {
         take_delta(1, x % 2, x);
         assert_int_equal(next_frame(&quick), 2);
-        memcpy(&count, frame + 4, 4);
+        assert_int_equal(told_of((uint32_t)x % 2, &count), x);
         assert_int_equal(count, 1);
     }
-    take_delta(1, 5, 7);
-    take_delta(1, 5, 0); /* there and back again: nothing to tell */
+    take_delta(1, 1, 49); /* the server's refresh: nothing new */
     assert_int_equal(next_frame(&quick), 0);
     assert_int_equal(next_frame(&slow), 2);
-    memcpy(&count, frame + 4, 4);
+    assert_int_equal(told_of(0, &count), 50);
+    assert_int_equal(told_of(1, &count), 49);
     assert_int_equal(count, 2);
-    int16_t x[2];
-    memcpy(&x[0], frame + 8 + 2 * 4, 2);
-    memcpy(&x[1], frame + 8 + 2 * 4 + 6, 2);
-    assert_int_equal(x[0], 50);
-    assert_int_equal(x[1], 49);
-    assert_memory_equal(quick.displacement, slow.displacement, sizeof(int16_t[NODES][3]));
-    ss_body_free_copy(&quick);
-    ss_body_free_copy(&slow);
+    assert_int_equal(next_frame(&slow), 0);
+}
+
+/* Against a copy of the counts for each browser, which is what a page has: random deltas, frames
+ * taken now and then; the ends of the list and its middle are moved. */
+TEST_WITH(frames_add_up_to_the_body_for_every_browser, NULL, forget_body)
+{
+    enum { BROWSERS = 3 };
+    ss_body_copy copy[BROWSERS] = {{0}};
+    int16_t now[NODES] = {0}, shown[BROWSERS][NODES] = {{0}};
+    uint64_t random = 20260101;
+    take_chunk(1, 0, 6, 0, 4);
+    for (int b = 0; b < BROWSERS; ++b) {
+        assert_int_equal(next_frame(&copy[b]), 1);
+    }
+    for (int k = 0; k < 3000; ++k) {
+        const uint32_t node = ss_random_below(&random, NODES);
+        now[node] = (int16_t)ss_random_below(&random, 4);
+        take_delta(1, (int32_t)node, now[node]);
+        const uint32_t b = ss_random_below(&random, BROWSERS);
+        if (ss_random_below(&random, 1 + 8 * b) > 0 || next_frame(&copy[b]) == 0) {
+            continue;
+        }
+        for (uint32_t n = 0; n < NODES; ++n) {
+            uint32_t count = 0;
+            const int16_t x = told_of(n, &count);
+            shown[b][n] = x != INT16_MIN ? x : shown[b][n];
+            assert_int_equal(shown[b][n], now[n]);
+        }
+    }
+}
+
+/* A server that was started again, of the same mesh: its body is at rest, and so is what an open
+ * page shows. */
+TEST_WITH(a_server_that_starts_again_has_no_old_dents, NULL, forget_body)
+{
+    ss_body_copy copy = {0};
+    uint32_t count = 0;
+    ss_body_begin_session(&body); /* before there is any */
+    take_chunk(1, 0, 6, 0, 4);
+    take_delta(1, 2, 9);
+    assert_int_equal(next_frame(&copy), 1);
+    assert_int_equal(next_frame(&copy), 2);
+    ss_body_begin_session(&body);
+    assert_int_equal(next_frame(&copy), 1);
+    assert_int_equal(next_frame(&copy), 0);
+    take_chunk(1, 0, 6, 0, 4); /* as it comes every two seconds */
+    assert_int_equal(next_frame(&copy), 0);
+    take_delta(1, 4, 3);
+    assert_int_equal(next_frame(&copy), 2);
+    assert_int_equal(told_of(2, &count), INT16_MIN);
+    assert_int_equal(told_of(4, &count), 3);
 }
 
 TEST_WITH(a_late_browser_gets_the_body_and_its_displacements, NULL, forget_body)
@@ -138,7 +197,6 @@ TEST_WITH(a_late_browser_gets_the_body_and_its_displacements, NULL, forget_body)
     assert_int_equal(next_frame(&copy), 1);
     assert_int_equal(next_frame(&copy), 2);
     assert_int_equal(next_frame(&copy), 0);
-    ss_body_free_copy(&copy);
 }
 
 TEST_WITH(another_body_starts_afresh, NULL, forget_body)
@@ -150,7 +208,6 @@ TEST_WITH(another_body_starts_afresh, NULL, forget_body)
     assert_int_equal(next_frame(&copy), 0);
     take_chunk(2, 0, 6, 0, 4);
     assert_int_equal(next_frame(&copy), 1);
-    ss_body_free_copy(&copy);
 }
 
 TEST_WITH(a_body_of_too_many_nodes_is_not_shown, NULL, forget_body)
@@ -159,7 +216,7 @@ TEST_WITH(a_body_of_too_many_nodes_is_not_shown, NULL, forget_body)
         .topology = 1, .node_count = SS_BODY_MAX_NODES + 1, .scale = 1.0F};
     assert_false(ss_body_take_topology(&body, &chunk));
     take_delta(1, 0, 3);
-    assert_false(ss_body_is_due(&body, &(ss_body_copy){0}));
+    assert_int_equal(next_frame(&(ss_body_copy){0}), 0);
 }
 
 TEST_WITH(a_field_goes_to_the_nodes_that_it_names, NULL, forget_body)
@@ -187,7 +244,22 @@ TEST_WITH(a_field_goes_to_the_nodes_that_it_names, NULL, forget_body)
     int16_t last = 0;
     memcpy(&last, frame + size - 2, 2);
     assert_int_equal(last, 3);
-    ss_body_free_copy(&copy);
+}
+
+/* A browser whose link takes one frame between two deltas. */
+TEST_WITH(a_slow_browser_gets_fields_too, NULL, forget_body)
+{
+    static const int16_t value[] = {1};
+    const softsim_mesh_field field = {
+        .topology = 1, .count = 1, .name = "energy", .unit = "J/m^3", .value = value};
+    ss_body_copy copy = {0};
+    take_chunk(1, 0, 6, 0, 4);
+    next_frame(&copy);
+    for (int16_t k = 0; k < 10; ++k) {
+        take_delta(1, 0, (int16_t)(k + 1));
+        ss_body_take_field(&body, &field);
+        assert_int_equal(next_frame(&copy), k % 2 == 0 ? 2 : 3);
+    }
 }
 
 /* ---- the mouse ---- */
@@ -224,6 +296,29 @@ TEST(the_probe_follows_the_mouse_without_a_jump)
         last = pose;
     }
     assert_true(fabs(last.position[0] + 0.1) < 1e-4);
+}
+
+/* A server that takes small steps only, of which three in a row are lost. */
+TEST(no_pose_is_further_than_the_server_takes)
+{
+    enum { LOST = 3, STEPS = 200 };
+    double x[STEPS];
+    ss_mouse mouse = {.max_jump_m = 0.002};
+    softsim_pose pose = {0};
+    int64_t now_ns = 1000 * MS;
+    ss_mouse_aim aim = aim_at(0.0);
+    ss_mouse_aim_at(&mouse, &aim, now_ns);
+    ss_mouse_move(&mouse, now_ns, &pose);
+    aim = aim_at(0.05);
+    ss_mouse_aim_at(&mouse, &aim, now_ns);
+    for (int i = 0; i < STEPS; ++i) {
+        ss_mouse_aim_at(&mouse, &aim, now_ns);
+        now_ns += (i % 7 == 0 ? 60 : 4) * MS; /* now and then its thread is held up */
+        assert_true(ss_mouse_move(&mouse, now_ns, &pose));
+        x[i] = pose.position[0];
+        assert_true(fabs(x[i] - (i > LOST ? x[i - LOST - 1] : 0.0)) <= mouse.max_jump_m + 1e-12);
+    }
+    assert_true(fabs(x[STEPS - 1] - 0.05) < 1e-6);
 }
 
 /* The closed form of equal roots, at steps of any length. */
