@@ -10,6 +10,7 @@
  * the same body in metres.
  */
 #include "mesh/mesh.h"
+#include "mesh/tetrahedron.h"
 #include "mesh/topology.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
@@ -304,7 +305,8 @@ static void check_faces(const ss_mesh *mesh, ss_mesh_report *report)
 {
     const bool is_quads = mesh->quad_count > 0;
     const int32_t count = is_quads ? mesh->quad_count : mesh->triangle_count;
-    const double least = SS_MESH_FLAT_AREA * report->edge_mean * report->edge_mean;
+    const double parts = mesh->middle != NULL ? 4.0 : 1.0; /* that a face is told in */
+    const double least = SS_MESH_FLAT_AREA * report->edge_mean * report->edge_mean / parts;
     report->angle_min = 180.0;
     for (int32_t f = 0; f < count; ++f) {
         const int32_t *node = is_quads ? mesh->quad[f] : mesh->triangle[f];
@@ -377,6 +379,106 @@ static bool check_shared_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
     }
     ss_mesh_tuples_fini(&tuples);
     return true;
+}
+
+/* ---- second order ---- */
+
+static void list_ten(const ss_mesh *mesh, int32_t e, int32_t out[SS_TETRAHEDRON_NODES])
+{
+    memcpy(out, mesh->tetrahedron[e], sizeof *mesh->tetrahedron);
+    memcpy(out + 4, mesh->middle[e], sizeof *mesh->middle);
+}
+
+/* Elements whose corners have a volume, but that are inside out at a Gauss point. */
+static void check_bent(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    const double least =
+        SS_MESH_FLAT_VOLUME * report->edge_mean * report->edge_mean * report->edge_mean;
+    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
+        int32_t node[SS_TETRAHEDRON_NODES];
+        list_ten(mesh, e, node);
+        if (!indices_are_good(mesh, node, SS_TETRAHEDRON_NODES)) {
+            add_fault(&report->bad_index, e);
+            continue;
+        }
+        const double volume = ss_six_volumes3(mesh->position[node[0]], mesh->position[node[1]],
+                                              mesh->position[node[2]], mesh->position[node[3]]) /
+                              6.0;
+        bool is_bent = false;
+        for (int q = 0; q < SS_TETRAHEDRON_POINTS; ++q) {
+            double unused[4][3];
+            is_bent = is_bent || !(ss_tetrahedron_point((const double(*)[3])mesh->position, node, q,
+                                                        unused) > 0.0);
+        }
+        if (is_bent && volume > least) {
+            add_fault(&report->bent_tetrahedron, e);
+        }
+    }
+}
+
+enum { AT_NONE = -1, AT_CORNER = -2 }; /* else the side that a node is the middle of */
+
+/* `place`: of each node. */
+static void check_sides(const ss_mesh *mesh, const ss_mesh_tuples *sides, int32_t *place,
+                        ss_mesh_report *report)
+{
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        place[i] = AT_NONE;
+    }
+    for (int32_t c = 0; c < 4 * mesh->tetrahedron_count; ++c) {
+        const int32_t node = mesh->tetrahedron[c / 4][c % 4];
+        if (indices_are_good(mesh, &node, 1)) {
+            place[node] = AT_CORNER;
+        }
+    }
+    for (int64_t i = 0; i < sides->count;) {
+        const int64_t end = ss_mesh_run_end(sides, i);
+        bool is_parted = false;
+        int32_t before = -1;
+        for (int64_t k = i; k < end; ++k) {
+            const int32_t node = mesh->middle[sides->tuple[k].id / 6][sides->tuple[k].id % 6];
+            is_parted = is_parted || (k > i && node != before);
+            if (node != before && indices_are_good(mesh, &node, 1)) {
+                if (place[node] != AT_NONE && place[node] != sides->tuple[i].id) {
+                    add_fault(&report->shared_middle, node);
+                }
+                place[node] = place[node] == AT_NONE ? sides->tuple[i].id : place[node];
+            }
+            before = node;
+        }
+        if (is_parted) {
+            add_fault(&report->parted_side, sides->tuple[i].node[0]);
+        }
+        i = end;
+    }
+}
+
+static bool check_second_order(const ss_mesh *mesh, ss_mesh_report *report)
+{
+    ss_mesh_tuples sides = {0};
+    int32_t *place = ss_memory_get((size_t)mesh->node_count, sizeof *place);
+    const bool is_done = place != NULL && ss_mesh_list_tetrahedron_edges(mesh, &sides);
+    if (is_done) {
+        check_sides(mesh, &sides, place, report);
+        if (report->parted_side.count == 0 && report->shared_middle.count == 0) {
+            check_bent(mesh, report);
+        }
+    }
+    ss_mesh_tuples_fini(&sides);
+    ss_memory_free(place);
+    return is_done;
+}
+
+/* Where a wrong node is in the middle of a side, the surface has holes and folds and the right one
+ * has no element: one fault is told, not its consequences. */
+static void forget_consequences(ss_mesh_report *report)
+{
+    static const ss_mesh_fault none = {0};
+    if (report->parted_side.count > 0 || report->shared_middle.count > 0) {
+        report->loose_node = report->zero_area = report->open_edge = none;
+        report->non_manifold_edge = report->non_manifold_node = none;
+        report->inconsistent_winding = report->duplicate_triangle = none;
+    }
 }
 
 /* ---- all of it ---- */
@@ -462,11 +564,13 @@ softsim_status ss_mesh_check(const ss_mesh *mesh, ss_mesh_report *out_report)
                    : ss_mesh_list_triangles(mesh, &elements)) &&
         measure_mean_edge(mesh, &edges, out_report) &&
         check_surface_edges(mesh, &edges, out_report) && find_coincident(mesh, out_report) &&
-        check_parts(mesh, &edges, out_report) && check_shared_tetrahedra(mesh, out_report);
+        check_parts(mesh, &edges, out_report) && check_shared_tetrahedra(mesh, out_report) &&
+        (mesh->middle == NULL || check_second_order(mesh, out_report));
     if (is_done) {
         check_faces(mesh, out_report);
         check_duplicates(&elements, &out_report->duplicate_triangle);
         check_tetrahedra(mesh, out_report);
+        forget_consequences(out_report);
     }
     ss_mesh_tuples_fini(&edges);
     ss_mesh_tuples_fini(&elements);
@@ -513,6 +617,16 @@ static const finding_row rows[] = {
      "swap two of their nodes if all are inverted, else remesh", false, false},
     {ROW(flat_tetrahedron), "tetrahedra without a volume", NULL, "tetrahedron",
      "remove them, or remesh", false, false},
+    {ROW(parted_side), "sides that two tetrahedra give different middle nodes", NULL, "at node",
+     "merge vertices by distance, or mesh it again", false, false},
+    {ROW(shared_middle), "nodes in the middle of more than one side, or at a corner too", NULL,
+     "node", "mesh it again, or take its corners alone (softsim-mesh convert --order 1)", false,
+     false},
+    {ROW(bent_tetrahedron), "tetrahedra that their middle nodes turn inside out", NULL,
+     "tetrahedron",
+     "write the nodes in the format's own order, remesh, or take the corners alone (softsim-mesh "
+     "convert --order 1)",
+     false, false},
     {ROW(open_edge), "open edges", NULL, "at node",
      "the body has no volume; close the holes if it should", true, true},
 };

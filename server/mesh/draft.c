@@ -46,7 +46,8 @@ void ss_draft_destroy(ss_draft **draft)
     for (int32_t g = 0; g < d->group_count; ++g) {
         ss_memory_free(d->group[g].node);
     }
-    SS_EACH(ss_memory_free, d->position, d->tag, d->triangle, d->quad, d->tetrahedron, d->bits, d);
+    SS_EACH(ss_memory_free, d->position, d->tag, d->triangle, d->quad, d->tetrahedron, d->middle,
+            d->bits, d);
     *draft = NULL;
 }
 
@@ -128,14 +129,19 @@ int32_t ss_draft_find_node(const ss_draft *d, int64_t tag)
 
 /* ---- elements ---- */
 
-int ss_draft_corners(ss_mesh_kind kind)
+int ss_draft_nodes(ss_mesh_kind kind)
 {
-    return kind == SS_MESH_POINT         ? 1
-           : kind == SS_MESH_LINE        ? 2
-           : kind == SS_MESH_TRIANGLE    ? 3
-           : kind == SS_MESH_QUAD        ? 4
-           : kind == SS_MESH_TETRAHEDRON ? 4
-                                         : 0;
+    static const int8_t count[SS_MESH_KIND_COUNT] = {
+        [SS_MESH_POINT] = 1,       [SS_MESH_LINE] = 2,          [SS_MESH_LINE_2] = 3,
+        [SS_MESH_TRIANGLE] = 3,    [SS_MESH_TRIANGLE_2] = 6,    [SS_MESH_QUAD] = 4,
+        [SS_MESH_TETRAHEDRON] = 4, [SS_MESH_TETRAHEDRON_2] = 10};
+    return count[kind];
+}
+
+bool ss_draft_makes_mesh(ss_mesh_kind kind)
+{
+    return kind == SS_MESH_TRIANGLE || kind == SS_MESH_QUAD || kind == SS_MESH_TETRAHEDRON ||
+           kind == SS_MESH_TETRAHEDRON_2;
 }
 
 static void fault_no_elements(ss_draft *d, const char *other)
@@ -150,7 +156,8 @@ static void fault_no_elements(ss_draft *d, const char *other)
     }
     const char *what = other != NULL ? other : only;
     ss_text_fault_file(d->text, SOFTSIM_ERROR_FORMAT,
-                       "no triangles, quads or tetrahedra in it%s%s: mesh it so, of first order",
+                       "no triangles, quads or tetrahedra in it%s%s: mesh it so; surfaces of "
+                       "first order",
                        what[0] != '\0' ? ", " : "", what);
 }
 
@@ -158,7 +165,8 @@ bool ss_draft_make_elements(ss_draft *d, const char *other)
 {
     const int64_t triangles = d->found[SS_MESH_TRIANGLE];
     const int64_t quads = d->found[SS_MESH_QUAD];
-    const int64_t tetrahedra = d->found[SS_MESH_TETRAHEDRON];
+    const int64_t second = d->found[SS_MESH_TETRAHEDRON_2];
+    const int64_t tetrahedra = d->found[SS_MESH_TETRAHEDRON] + second;
     if (d->node_count == 0 || triangles + quads + tetrahedra == 0) {
         fault_no_elements(d, other);
         return false;
@@ -168,6 +176,12 @@ bool ss_draft_make_elements(ss_draft *d, const char *other)
                            "more than 67 million elements are not read: simplify the mesh first");
         return false;
     }
+    if (second > 0 && second < tetrahedra) {
+        ss_text_fault_file(d->text, SOFTSIM_ERROR_FORMAT,
+                           "%lld tetrahedra of 4 nodes beside %lld of 10: mesh it all of one order",
+                           (long long)(tetrahedra - second), (long long)second);
+        return false;
+    }
     const bool is_surface = tetrahedra == 0;
     d->triangle_room = is_surface && triangles > 0 ? (int32_t)(triangles + 2 * quads) : (int32_t)0;
     d->quad_room = is_surface && triangles == 0 ? (int32_t)quads : 0;
@@ -175,7 +189,9 @@ bool ss_draft_make_elements(ss_draft *d, const char *other)
     d->triangle = ss_memory_get((size_t)d->triangle_room, sizeof *d->triangle);
     d->quad = ss_memory_get((size_t)d->quad_room, sizeof *d->quad);
     d->tetrahedron = ss_memory_get((size_t)d->tetrahedron_room, sizeof *d->tetrahedron);
-    return d->triangle != NULL && d->quad != NULL && d->tetrahedron != NULL
+    d->middle = second > 0 ? ss_memory_get((size_t)second, sizeof *d->middle) : NULL;
+    return d->triangle != NULL && d->quad != NULL && d->tetrahedron != NULL &&
+                   (d->middle != NULL || second == 0)
                ? true
                : ss_text_out_of_memory(d->text);
 }
@@ -187,11 +203,15 @@ static bool fault_changed(ss_draft *d)
     return false;
 }
 
-bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node)
+bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node, const int8_t *sides)
 {
-    if (kind == SS_MESH_TETRAHEDRON) {
-        if (d->tetrahedron_count == d->tetrahedron_room) {
+    if (kind == SS_MESH_TETRAHEDRON || kind == SS_MESH_TETRAHEDRON_2) {
+        if (d->tetrahedron_count == d->tetrahedron_room ||
+            (kind == SS_MESH_TETRAHEDRON_2) != (d->middle != NULL)) {
             return fault_changed(d);
+        }
+        for (int k = 0; k < 6 && d->middle != NULL; ++k) {
+            d->middle[d->tetrahedron_count][sides[k]] = node[4 + k];
         }
         memcpy(d->tetrahedron[d->tetrahedron_count++], node, sizeof *d->tetrahedron);
     } else if (d->tetrahedron_room > 0 || (kind != SS_MESH_TRIANGLE && kind != SS_MESH_QUAD)) {
@@ -400,10 +420,13 @@ const char *ss_mesh_kind_name(ss_mesh_kind kind)
     static const char *const names[] = {
         [SS_MESH_POINT] = "points",
         [SS_MESH_LINE] = "lines",
+        [SS_MESH_LINE_2] = "lines of second order",
         [SS_MESH_TRIANGLE] = "triangles",
         [SS_MESH_QUAD] = "quads",
         [SS_MESH_TETRAHEDRON] = "tetrahedra",
+        [SS_MESH_TETRAHEDRON_2] = "tetrahedra of second order",
         [SS_MESH_POLYGON] = "polygons and strips",
+        [SS_MESH_TRIANGLE_2] = "triangles of second order",
         [SS_MESH_HEXAHEDRON] = "hexahedra",
         [SS_MESH_PRISM] = "prisms",
         [SS_MESH_PYRAMID] = "pyramids",
@@ -478,7 +501,8 @@ static void count_skipped(const ss_draft *d, ss_mesh *mesh)
     const bool is_volume = d->tetrahedron_room > 0;
     for (int kind = 0; kind < SS_MESH_KIND_COUNT; ++kind) {
         const bool is_face = kind == SS_MESH_TRIANGLE || kind == SS_MESH_QUAD;
-        const bool is_kept = kind == SS_MESH_TETRAHEDRON || (is_face && !is_volume);
+        const bool is_kept =
+            kind == SS_MESH_TETRAHEDRON || kind == SS_MESH_TETRAHEDRON_2 || (is_face && !is_volume);
         mesh->skipped[kind] = is_kept ? 0 : d->found[kind];
     }
 }
@@ -499,6 +523,7 @@ static bool hand_over(ss_draft *d, ss_mesh *mesh)
     mesh->position = d->position;
     mesh->tetrahedron_count = d->tetrahedron_count;
     mesh->tetrahedron = d->tetrahedron;
+    mesh->middle = d->middle;
     mesh->quad_count = d->quad_count;
     mesh->quad = d->quad;
     mesh->triangle_count = d->triangle_count;
@@ -506,6 +531,7 @@ static bool hand_over(ss_draft *d, ss_mesh *mesh)
     mesh->cut_face_count = d->cut_count;
     d->position = NULL;
     d->tetrahedron = NULL;
+    d->middle = NULL;
     d->quad = NULL;
     d->triangle = NULL;
     return true;

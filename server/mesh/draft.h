@@ -16,7 +16,7 @@ enum {
     SS_DRAFT_MAX_GROUPS = 1024,
     SS_DRAFT_MAX_VALUES = 64,       /* an array of more distinct values names no groups */
     SS_DRAFT_MAX_MEMBERS = 1 << 28, /* nodes of all groups together, with room to grow: 1 GiB */
-    SS_DRAFT_MAX_CORNERS = 4
+    SS_DRAFT_MAX_NODES = 10         /* of an element that is kept, or names nodes */
 };
 
 /* Numbers of nodes as a file gives them, and what they stand for. */
@@ -43,6 +43,7 @@ typedef struct ss_draft {
     int32_t triangle_room, quad_room, tetrahedron_room;
     int32_t triangle_count, quad_count, tetrahedron_count, cut_count;
     int32_t (*triangle)[3], (*quad)[4], (*tetrahedron)[4];
+    int32_t (*middle)[6];                      /* NULL in a mesh of first order */
     ss_draft_group group[SS_DRAFT_MAX_GROUPS]; /* in the order in which they were asked for */
     int32_t order[SS_DRAFT_MAX_GROUPS];        /* of their keys */
     int32_t group_count;
@@ -74,12 +75,16 @@ bool ss_draft_sort_tags(ss_draft *d);
 /* Index of the node with `tag`, -1 when there is none. */
 int32_t ss_draft_find_node(const ss_draft *d, int64_t tag);
 
-/* Corners of an element that is kept, or names nodes for groups; 0 for other kinds. */
-int ss_draft_corners(ss_mesh_kind kind);
+/* Nodes of an element that is kept, or names nodes for groups; 0 for other kinds. */
+int ss_draft_nodes(ss_mesh_kind kind);
+/* Does a file of nothing but this kind, or points and lines, make a mesh? */
+bool ss_draft_makes_mesh(ss_mesh_kind kind);
 /* Room for what was found; a fault when nothing was that makes a mesh. `other` says what else was
  * (NULL: the kinds tell). */
 bool ss_draft_make_elements(ss_draft *d, const char *other);
-bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node);
+/* `sides`: of a tetrahedron of second order, the sides in the order of the format; NULL where it
+ * has none. */
+bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node, const int8_t *sides);
 
 /* The group of this key, made when it is not there yet (`name` NULL: named later); -1 is a fault.
  */

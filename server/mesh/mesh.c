@@ -93,6 +93,40 @@ softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
     return SOFTSIM_OK;
 }
 
+static bool take_tens(ss_mesh *mesh, int32_t count, const int32_t (*tetrahedron)[10])
+{
+    mesh->tetrahedron_count = count;
+    mesh->tetrahedron = ss_memory_get((size_t)count, sizeof *mesh->tetrahedron);
+    mesh->middle = ss_memory_get((size_t)count, sizeof *mesh->middle);
+    for (int32_t e = 0; mesh->tetrahedron && mesh->middle && e < count; ++e) {
+        memcpy(mesh->tetrahedron[e], tetrahedron[e], sizeof *mesh->tetrahedron);
+        memcpy(mesh->middle[e], tetrahedron[e] + 4, sizeof *mesh->middle);
+    }
+    return mesh->tetrahedron != NULL && mesh->middle != NULL;
+}
+
+softsim_status ss_mesh_create_second_order(int32_t node_count, const double (*position)[3],
+                                           int32_t tetrahedron_count,
+                                           const int32_t (*tetrahedron)[10], ss_mesh **out_mesh,
+                                           softsim_error *error)
+{
+    *out_mesh = NULL;
+    if (node_count < 1 || node_count > MAX_COUNT || tetrahedron_count < 1 ||
+        tetrahedron_count > MAX_COUNT) {
+        softsim_error_add(error, SOFTSIM_ERROR_MESH,
+                          "a mesh of %d nodes and %d tetrahedra: give 1 to %d of both", node_count,
+                          tetrahedron_count, MAX_COUNT);
+        return SOFTSIM_ERROR_MESH;
+    }
+    ss_mesh *mesh = create_nodes(node_count, position);
+    if (mesh == NULL || !take_tens(mesh, tetrahedron_count, tetrahedron) ||
+        !ss_mesh_extract_surface(mesh) || !ss_mesh_find_closed(mesh)) {
+        return fail_create(&mesh, node_count, error);
+    }
+    *out_mesh = mesh;
+    return SOFTSIM_OK;
+}
+
 softsim_status ss_mesh_create_quads(int32_t node_count, const double (*position)[3],
                                     int32_t quad_count, const int32_t (*quad)[4],
                                     ss_mesh **out_mesh, softsim_error *error)
@@ -130,7 +164,8 @@ void ss_mesh_destroy(ss_mesh **mesh)
         ss_memory_free((*mesh)->group[g].node);
     }
     SS_EACH(ss_memory_free, (*mesh)->group, (*mesh)->position, (*mesh)->triangle, (*mesh)->quad,
-            (*mesh)->file_node, (*mesh)->file_element, (*mesh)->tetrahedron, *mesh);
+            (*mesh)->file_node, (*mesh)->file_element, (*mesh)->tetrahedron, (*mesh)->middle,
+            *mesh);
     *mesh = NULL;
 }
 

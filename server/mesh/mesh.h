@@ -31,10 +31,13 @@ typedef struct ss_mesh_group {
 typedef enum ss_mesh_kind {
     SS_MESH_POINT,
     SS_MESH_LINE,
+    SS_MESH_LINE_2, /* _2: of second order, with a node in the middle of each side */
     SS_MESH_TRIANGLE,
     SS_MESH_QUAD,
     SS_MESH_TETRAHEDRON,
+    SS_MESH_TETRAHEDRON_2,
     SS_MESH_POLYGON, /* of other corners, strips, pixels */
+    SS_MESH_TRIANGLE_2,
     SS_MESH_HEXAHEDRON,
     SS_MESH_PRISM,
     SS_MESH_PYRAMID,
@@ -52,6 +55,11 @@ typedef struct ss_mesh {
     double (*position)[3];  /* m, world frame, node_count */
     int32_t (*triangle)[3]; /* node numbers, counter-clockwise from outside */
     int32_t (*tetrahedron)[4];
+    /* Second order: the nodes in the middle of each tetrahedron's sides 01 02 03 12 13 23; NULL in
+     * a mesh of first order. Its triangles are then the quarters of faces: 4f to 4f + 2 those at
+     * the corners of face f, which are their first nodes, 4f + 3 the one between the middles of its
+     * sides 01 12 20. */
+    int32_t (*middle)[6];
     /* Corners in order, counter-clockwise from outside; sides 0-1 and 2-3 run along the grid's
      * first direction (u), 1-2 and 3-0 along its second (w). Its triangles are then the halves of
      * quad q, 2q and 2q + 1. */
@@ -68,8 +76,8 @@ typedef struct ss_mesh {
      * that no face has, left out. */
     int32_t joined_node_count, unused_node_count;
     /* Elements of the file that are no part of the mesh, by kind. Points, lines, and faces beside
-     * tetrahedra (TRIANGLE, QUAD, POLYGON) only name nodes for groups; where others are counted
-     * the body has gaps. */
+     * tetrahedra (TRIANGLE, QUAD, POLYGON, TRIANGLE_2) only name nodes for groups; where others are
+     * counted the body has gaps. */
     int64_t skipped[SS_MESH_KIND_COUNT];
 } ss_mesh;
 
@@ -105,6 +113,12 @@ softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
                               int32_t triangle_count, const int32_t (*triangle)[3],
                               int32_t tetrahedron_count, const int32_t (*tetrahedron)[4],
                               ss_mesh **out_mesh, softsim_error *error);
+/* The same of second order: of each tetrahedron the corners, then the nodes in the middle of
+ * its sides, in the order of `middle`. */
+softsim_status ss_mesh_create_second_order(int32_t node_count, const double (*position)[3],
+                                           int32_t tetrahedron_count,
+                                           const int32_t (*tetrahedron)[10], ss_mesh **out_mesh,
+                                           softsim_error *error);
 /* A surface of quads alone, each wound counter-clockwise seen from outside. The first quad of each
  * connected part keeps its first corner; others are turned so that u and w run on over their common
  * sides (quad.c: also what happens where that cannot be, and where quads are cut). */
@@ -165,6 +179,10 @@ typedef struct ss_mesh_report {
     ss_mesh_fault inverted_tetrahedron, flat_tetrahedron;
     ss_mesh_fault non_manifold_node; /* the triangles around it form more than one fan */
     ss_mesh_fault duplicate_tetrahedron, crowded_face; /* a face of more than two tetrahedra */
+    /* Of second order: sides whose tetrahedra have different middle nodes; nodes in the middle of
+     * two sides, or at a corner too; tetrahedra of a volume that their middle nodes turn inside out
+     * at a Gauss point. */
+    ss_mesh_fault parted_side, shared_middle, bent_tetrahedron;
     ss_mesh_fault mixed_direction; /* sides along u of one quad and w of the other; no fault */
     int32_t component_count;       /* connected parts, loose nodes not counted */
     bool is_inside_out;            /* a closed part encloses a negative volume and is no cavity */
@@ -229,6 +247,14 @@ typedef struct ss_mesh_repairs {
  * edges stay. Fails where nothing would be left. */
 softsim_status ss_mesh_repair(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_repairs *out_repairs,
                               softsim_error *error);
+
+/* A volume with nodes in the straight middle of its sides, which is of second order then: numbered
+ * after its own, by the lower node of each side, then the higher. In a group are those whose side's
+ * ends are, where the side lies on the surface or in a tetrahedron of the group. */
+softsim_status ss_mesh_raise(const ss_mesh *mesh, ss_mesh **out_mesh, softsim_error *error);
+/* A volume of second order without the nodes in the middle of sides; numbers close up. Its nodes
+ * must exist, as those of readers do. */
+softsim_status ss_mesh_lower(const ss_mesh *mesh, ss_mesh **out_mesh, softsim_error *error);
 
 /* Turns inside-out or inconsistently wound surfaces, so that neighbours agree and closed
  * parts enclose a positive volume (cavities, whose box lies inside another part's, are left as

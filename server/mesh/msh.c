@@ -19,6 +19,7 @@
 #include "mesh/msh4.h"
 #include "mesh/msh_parts.h"
 #include "mesh/readers.h"
+#include "mesh/second_order.h"
 #include "rt/each.h"
 #include "rt/memory.h"
 
@@ -199,22 +200,20 @@ static bool count_kinds(ss_msh *r, int64_t count)
         }
         const ss_mesh_kind kind = ss_msh_kind(type);
         ++r->draft->found[kind];
-        if (ss_draft_corners(kind) == 0) {
-            ss_msh_note_other(r, i, type);
-        }
+        ss_msh_note_other(r, i, type);
     }
     return true;
 }
 
 /* The part of an element line between its type and its nodes: leaves the physical group. */
-static bool read_tags(const ss_msh *r, ss_text_span *line, int corners, int64_t *out_physical)
+static bool read_tags(const ss_msh *r, ss_text_span *line, int nodes, int64_t *out_physical)
 {
     int64_t skipped = 0;
     int64_t count = 0;
     *out_physical = 0;
     if (r->version == 1) {
         return ss_span_next_int32(line, out_physical) && ss_span_next_int32(line, &skipped) &&
-               ss_span_next_int32(line, &count) && count == corners;
+               ss_span_next_int32(line, &count) && count == nodes;
     }
     if (!ss_span_next_int32(line, &count) || count < 0) {
         return false;
@@ -235,12 +234,12 @@ static bool keep_element(ss_msh *r, ss_mesh_kind kind, int64_t physical, const i
     if (physical > 0 && group < 0) {
         return false;
     }
-    for (int k = 0; k < ss_draft_corners(kind) && group >= 0; ++k) {
+    for (int k = 0; k < ss_draft_nodes(kind) && group >= 0; ++k) {
         if (!ss_draft_mark(r->draft, group, node[k])) {
             return false;
         }
     }
-    return ss_draft_add_element(r->draft, kind, node);
+    return ss_draft_add_element(r->draft, kind, node, ss_mesh_sides_of_gmsh);
 }
 
 static bool read_element(ss_msh *r, int64_t index, int64_t count)
@@ -251,14 +250,14 @@ static bool read_element(ss_msh *r, int64_t index, int64_t count)
         return false;
     }
     const ss_mesh_kind kind = ss_msh_kind(type);
-    const int corners = ss_draft_corners(kind);
-    if (corners == 0) {
+    const int nodes = ss_draft_nodes(kind);
+    if (nodes == 0) {
         return true;
     }
     int64_t physical = 0;
-    int32_t node[SS_DRAFT_MAX_CORNERS] = {0};
-    bool is_good = read_tags(r, &line, corners, &physical);
-    for (int k = 0; k < corners && is_good; ++k) {
+    int32_t node[SS_DRAFT_MAX_NODES] = {0};
+    bool is_good = read_tags(r, &line, nodes, &physical);
+    for (int k = 0; k < nodes && is_good; ++k) {
         int64_t tag = 0;
         is_good = ss_span_next_int64(&line, &tag);
         node[k] = is_good ? ss_msh_find_node(r, index, tag) : -1;
@@ -269,7 +268,7 @@ static bool read_element(ss_msh *r, int64_t index, int64_t count)
     if (!is_good || !ss_span_is_blank(line)) {
         ss_text_fault(r->text,
                       "element %lld, a %s: its tags and then %d node numbers expected here",
-                      (long long)index, ss_msh_type_name(type), corners);
+                      (long long)index, ss_msh_type_name(type), nodes);
         return false;
     }
     return keep_element(r, kind, physical, node);

@@ -17,6 +17,7 @@
  */
 #include "mesh/msh4.h"
 
+#include "mesh/second_order.h"
 #include "rt/memory.h"
 #include "rt/order.h"
 
@@ -267,7 +268,7 @@ static bool count_kinds(ss_msh *r, const int64_t head[4])
         }
         const ss_mesh_kind kind = ss_msh_kind(block[2]);
         r->draft->found[kind] += block[3];
-        if (ss_draft_corners(kind) == 0 && block[3] > 0) {
+        if (block[3] > 0) {
             ss_msh_note_other(r, done, block[2]);
         }
         for (const int64_t end = done + block[3]; done < end; ++done) {
@@ -292,38 +293,38 @@ static bool keep_element(ss_msh *r, const ss_msh_entity *entity, ss_mesh_kind ki
                          const int32_t *node)
 {
     for (int32_t g = 0; entity != NULL && g < entity->group_count; ++g) {
-        for (int k = 0; k < ss_draft_corners(kind); ++k) {
+        for (int k = 0; k < ss_draft_nodes(kind); ++k) {
             if (!ss_draft_mark(r->draft, r->group[entity->first_group + g], node[k])) {
                 return false;
             }
         }
     }
-    return ss_draft_add_element(r->draft, kind, node);
+    return ss_draft_add_element(r->draft, kind, node, ss_mesh_sides_of_gmsh);
 }
 
 static bool read_element(ss_msh *r, int64_t index, int64_t type, const ss_msh_entity *entity)
 {
     ss_text_span line;
     int64_t tag = 0;
-    int32_t node[SS_DRAFT_MAX_CORNERS] = {0};
+    int32_t node[SS_DRAFT_MAX_NODES] = {0};
     const ss_mesh_kind kind = ss_msh_kind(type);
-    const int corners = ss_draft_corners(kind);
+    const int nodes = ss_draft_nodes(kind);
     bool is_good = ss_text_next_line(r->text, &line) && ss_span_next_int64(&line, &tag);
-    for (int k = 0; k < corners && is_good; ++k) {
+    for (int k = 0; k < nodes && is_good; ++k) {
         is_good = ss_span_next_int64(&line, &tag);
         node[k] = is_good ? ss_msh_find_node(r, index, tag) : -1;
         if (is_good && node[k] < 0) {
             return r->text->fault_count < SS_TEXT_MAX_FAULTS;
         }
     }
-    if (!is_good || (corners > 0 && !ss_span_is_blank(line))) {
+    if (!is_good || (nodes > 0 && !ss_span_is_blank(line))) {
         ss_text_fault(r->text,
                       "element %lld, a %s: its number and then %d node numbers expected "
                       "here",
-                      (long long)index, ss_msh_type_name(type), corners);
+                      (long long)index, ss_msh_type_name(type), nodes);
         return false;
     }
-    return corners == 0 || keep_element(r, entity, kind, node);
+    return nodes == 0 || keep_element(r, entity, kind, node);
 }
 
 bool ss_msh4_read_elements(ss_msh *r)

@@ -39,7 +39,7 @@ const char *ss_msh_type_name(int64_t type);
 int32_t ss_msh_find_node(const ss_msh *r, int64_t index, int64_t number);
 /* Room for the elements that were counted; on from `start`, before them. */
 bool ss_msh_begin_elements(ss_msh *r, ss_text_mark start);
-/* Keeps the first type that is not read, for the error when nothing else is there. */
+/* Keeps the first type that makes no mesh, for the error when nothing else is there. */
 void ss_msh_note_other(ss_msh *r, int64_t index, int64_t type);
 /* The draft's group of a physical number, made when it is not there yet; -1 is a fault. */
 int32_t ss_msh_find_group(ss_msh *r, int32_t dimension, int64_t number);

@@ -114,6 +114,9 @@ static void place_nodes(const ss_mesh *mesh, place *out)
     for (int32_t c = 0; c < 4 * mesh->tetrahedron_count; ++c) {
         out[mesh->tetrahedron[c / 4][c % 4]].key[0] &= ~apart;
     }
+    for (int64_t s = 0; mesh->middle != NULL && s < 6 * (int64_t)mesh->tetrahedron_count; ++s) {
+        out[mesh->middle[s / 6][s % 6]].key[0] &= ~apart;
+    }
     qsort(out, (size_t)mesh->node_count, sizeof *out, compare_places);
 }
 
@@ -161,6 +164,19 @@ static void sort_halves(ss_mesh *mesh, const int32_t *new_number, const place *o
     }
 }
 
+/* The nodes in the middle of sides follow their tetrahedra. */
+static void sort_middles(ss_mesh *mesh, const int32_t *new_number, const place *order,
+                         int32_t *scratch)
+{
+    const size_t bytes = (size_t)mesh->tetrahedron_count * sizeof *mesh->middle;
+    memcpy(scratch, mesh->middle, bytes);
+    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
+        for (int s = 0; s < 6; ++s) {
+            mesh->middle[e][s] = new_number[scratch[6 * (int64_t)order[e].number + s]];
+        }
+    }
+}
+
 static void renumber_groups(ss_mesh *mesh, const int32_t *new_number)
 {
     for (int32_t g = 0; g < mesh->group_count; ++g) {
@@ -194,10 +210,15 @@ static bool renumber_elements(ss_mesh *mesh, const int32_t *new_number, place *o
                               int32_t *scratch)
 {
     if (mesh->tetrahedron_count > 0) {
-        sort_elements((int32_t *)mesh->triangle, mesh->triangle_count, 3, new_number, order,
-                      scratch);
+        /* Quarters of a face stay together. */
+        const int32_t parts = mesh->middle != NULL ? 4 : 1;
+        sort_elements((int32_t *)mesh->triangle, mesh->triangle_count / parts, 3 * parts,
+                      new_number, order, scratch);
         sort_elements((int32_t *)mesh->tetrahedron, mesh->tetrahedron_count, 4, new_number, order,
                       scratch);
+        if (mesh->middle != NULL) {
+            sort_middles(mesh, new_number, order, scratch);
+        }
     } else if (mesh->quad_count > 0) {
         sort_elements((int32_t *)mesh->quad, mesh->quad_count, 4, new_number, order, scratch);
         sort_halves(mesh, new_number, order, scratch);
@@ -217,7 +238,7 @@ bool ss_mesh_renumber(ss_mesh *mesh)
     const size_t most = triangles > tetrahedra ? triangles : tetrahedra;
     place *node_order = ss_memory_get(nodes, sizeof *node_order);
     place *order = ss_memory_get(most, sizeof *order);
-    int32_t *scratch = ss_memory_get(most, 4 * sizeof *scratch);
+    int32_t *scratch = ss_memory_get(most, (mesh->middle != NULL ? 6 : 4) * sizeof *scratch);
     int32_t *new_number = ss_memory_get(nodes, sizeof *new_number);
     double(*position)[3] = ss_memory_get(nodes, sizeof *position);
     bool is_done = node_order && order && scratch && new_number && position;

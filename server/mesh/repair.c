@@ -19,9 +19,10 @@
 #include <string.h>
 
 typedef struct mender {
-    const ss_mesh *mesh; /* as given */
-    ss_mesh work;        /* welded and turned: borrows positions and groups */
-    int32_t *element;    /* of work: `corners` nodes each */
+    const ss_mesh *mesh;  /* as given */
+    ss_mesh work;         /* welded and turned: borrows positions and groups */
+    int32_t *element;     /* of work: `corners` nodes each */
+    int32_t (*middle)[6]; /* of second order: theirs */
     int32_t count, corners;
     int32_t *number; /* new number of a node, -1: goes */
     double (*position)[3];
@@ -62,17 +63,21 @@ static double volume_of(const ss_mesh *mesh, const int32_t *node)
            6.0;
 }
 
-/* Welds, drops and turns one element; true when it stays. */
-static bool mend_element(mender *m, int32_t *node)
+/* Welds, drops and turns one element; true when it stays. `middle`: of second order, else NULL. */
+static bool mend_element(mender *m, int32_t *node, int32_t *middle)
 {
     const bool is_volume = m->mesh->tetrahedron_count > 0;
     const double h = m->mean_edge;
-    if (!is_finite_element(m->mesh, node, m->corners)) {
+    if (!is_finite_element(m->mesh, node, m->corners) ||
+        (middle != NULL && !is_finite_element(m->mesh, middle, 6))) {
         ++m->done->bad_elements;
         return false;
     }
     for (int k = 0; k < m->corners; ++k) {
         node[k] = m->number[node[k]];
+    }
+    for (int s = 0; middle != NULL && s < 6; ++s) {
+        middle[s] = m->number[middle[s]];
     }
     const double volume = is_volume ? volume_of(m->mesh, node) : 0.0;
     const bool is_flat =
@@ -87,19 +92,34 @@ static bool mend_element(mender *m, int32_t *node)
         const int32_t second = node[1];
         node[1] = node[2];
         node[2] = second;
+        if (middle != NULL) {
+            const int32_t turned[6] = {middle[1], middle[0], middle[2],
+                                       middle[3], middle[5], middle[4]};
+            memcpy(middle, turned, sizeof turned);
+        }
         ++m->done->turned_tetrahedra;
     }
     return true;
+}
+
+/* Element e becomes the next of those that are kept. */
+static void keep(mender *m, int32_t e, int32_t *inout_kept)
+{
+    memmove(m->element + (int64_t)m->corners * *inout_kept, m->element + (int64_t)m->corners * e,
+            (size_t)m->corners * sizeof *m->element);
+    if (m->middle != NULL) {
+        memmove(m->middle[*inout_kept], m->middle[e], sizeof *m->middle);
+    }
+    ++*inout_kept;
 }
 
 static void mend_elements(mender *m)
 {
     int32_t kept = 0;
     for (int32_t e = 0; e < m->count; ++e) {
-        int32_t *node = m->element + (int64_t)m->corners * e;
-        if (mend_element(m, node)) {
-            memmove(m->element + (int64_t)m->corners * kept++, node,
-                    (size_t)m->corners * sizeof *node);
+        if (mend_element(m, m->element + (int64_t)m->corners * e,
+                         m->middle != NULL ? m->middle[e] : NULL)) {
+            keep(m, e, &kept);
         }
     }
     m->count = kept;
@@ -143,10 +163,8 @@ static bool drop_twins(mender *m)
     ss_mesh_tuples_fini(&tuples);
     int32_t kept = 0;
     for (int32_t e = 0; e < m->count; ++e) {
-        int32_t *node = m->element + (int64_t)m->corners * e;
-        if (node[0] >= 0) {
-            memmove(m->element + (int64_t)m->corners * kept++, node,
-                    (size_t)m->corners * sizeof *node);
+        if (m->element[(int64_t)m->corners * e] >= 0) {
+            keep(m, e, &kept);
         }
     }
     m->count = kept;
@@ -158,8 +176,13 @@ static int32_t number_nodes(mender *m, const int32_t *twin)
 {
     const int32_t nodes = m->mesh->node_count;
     memset(m->number, 0xff, (size_t)nodes * sizeof *m->number);
+    int32_t *middle = (int32_t *)m->middle;
+    const int64_t middles = middle != NULL ? 6 * (int64_t)m->count : 0;
     for (int64_t i = 0; i < (int64_t)m->corners * m->count; ++i) {
         m->number[m->element[i]] = 0;
+    }
+    for (int64_t i = 0; i < middles; ++i) {
+        m->number[middle[i]] = 0;
     }
     int32_t count = 0;
     for (int32_t i = 0; i < nodes; ++i) {
@@ -175,6 +198,9 @@ static int32_t number_nodes(mender *m, const int32_t *twin)
     }
     for (int64_t i = 0; i < (int64_t)m->corners * m->count; ++i) {
         m->element[i] = m->number[m->element[i]];
+    }
+    for (int64_t i = 0; i < middles; ++i) {
+        middle[i] = m->number[middle[i]];
     }
     return count;
 }
@@ -203,12 +229,31 @@ static bool copy_groups(const mender *m, ss_mesh *to)
     return is_good;
 }
 
+static softsim_status create_second_order(mender *m, int32_t nodes, ss_mesh **out,
+                                          softsim_error *error)
+{
+    int32_t(*ten)[10] = ss_memory_get((size_t)m->count, sizeof *ten);
+    for (int32_t e = 0; ten != NULL && e < m->count; ++e) {
+        memcpy(ten[e], m->element + 4 * (int64_t)e, 4 * sizeof **ten);
+        memcpy(ten[e] + 4, m->middle[e], sizeof *m->middle);
+    }
+    const softsim_status status =
+        ten != NULL ? ss_mesh_create_second_order(nodes, (const double(*)[3])m->position, m->count,
+                                                  (const int32_t(*)[10])ten, out, error)
+                    : SOFTSIM_ERROR_MEMORY;
+    ss_memory_free(ten);
+    return status;
+}
+
 static softsim_status create(mender *m, int32_t nodes, ss_mesh **out, softsim_error *error)
 {
     const double(*x)[3] = (const double(*)[3])m->position;
     if (m->mesh->quad_count > 0 && m->count > 0) {
         return ss_mesh_create_quads(nodes, x, m->count, (const int32_t(*)[4])m->element, out,
                                     error);
+    }
+    if (m->middle != NULL && m->count > 0) {
+        return create_second_order(m, nodes, out, error);
     }
     const bool is_volume = m->mesh->tetrahedron_count > 0;
     return ss_mesh_create(nodes, x, is_volume ? 0 : m->count, (const int32_t(*)[3])m->element,
@@ -256,16 +301,21 @@ softsim_status ss_mesh_repair(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_r
     m.number = ss_memory_get(nodes, sizeof *m.number);
     m.position = ss_memory_get(nodes, sizeof *m.position);
     m.element = ss_memory_get(size, sizeof *m.element);
+    m.middle = mesh->middle != NULL ? ss_memory_get((size_t)m.count, sizeof *m.middle) : NULL;
     softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (twin != NULL && m.number != NULL && m.position != NULL && m.element != NULL &&
-        ss_mesh_check(mesh, &report) == SOFTSIM_OK && ss_mesh_find_twins(mesh, &report, twin)) {
+    if ((m.middle != NULL || mesh->middle == NULL) && twin != NULL && m.number != NULL &&
+        m.position != NULL && m.element != NULL && ss_mesh_check(mesh, &report) == SOFTSIM_OK &&
+        ss_mesh_find_twins(mesh, &report, twin)) {
         m.mean_edge = report.edge_mean;
         memcpy(m.element, from, size * sizeof *m.element);
+        if (m.middle != NULL) {
+            memcpy(m.middle, mesh->middle, (size_t)m.count * sizeof *m.middle);
+        }
         status = mend(&m, twin, out_mesh, error);
     }
     if (status == SOFTSIM_ERROR_MEMORY) {
         softsim_error_add(error, status, "out of memory while mending %d nodes", mesh->node_count);
     }
-    SS_EACH(ss_memory_free, twin, m.number, m.position, m.element);
+    SS_EACH(ss_memory_free, twin, m.number, m.position, m.element, m.middle);
     return status;
 }

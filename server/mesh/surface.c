@@ -8,6 +8,7 @@
  * two nodes and the single ones marked. That takes five bytes a face beside the mesh. Sorting
  * tuples of all faces at once, as the checks do, takes forty: more than the mesh itself.
  */
+#include "mesh/second_order.h"
 #include "mesh/topology.h"
 #include "rt/each.h"
 #include "rt/memory.h"
@@ -15,6 +16,7 @@
 #include "rt/vec.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct face {
     int32_t middle, highest; /* nodes */
@@ -138,6 +140,19 @@ static double six_volumes(const ss_mesh *mesh, const int32_t *node)
                            mesh->position[node[2]], mesh->position[node[3]]);
 }
 
+/* The face of corners `node` of tetrahedron e in its four quarters. */
+static void put_quarters(const ss_mesh *mesh, int32_t e, const int32_t node[3], int32_t (*out)[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        out[k][0] = node[k];
+        out[3][k] = mesh->middle[e][ss_mesh_find_side(mesh, e, node[k], node[(k + 1) % 3])];
+    }
+    for (int k = 0; k < 3; ++k) {
+        out[k][1] = out[3][k];
+        out[k][2] = out[3][(k + 2) % 3];
+    }
+}
+
 bool ss_mesh_extract_surface(ss_mesh *mesh)
 {
     extractor x = {.mesh = mesh};
@@ -149,17 +164,23 @@ bool ss_mesh_extract_surface(ss_mesh *mesh)
     for (int32_t n = 0; n < mesh->node_count; ++n) {
         count += mark_bucket(&x, n);
     }
-    mesh->triangle = ss_memory_get((size_t)count, sizeof *mesh->triangle);
+    const int32_t parts = mesh->middle != NULL ? 4 : 1;
+    mesh->triangle = ss_memory_get((size_t)parts * (size_t)count, sizeof *mesh->triangle);
     for (int32_t id = 0; mesh->triangle != NULL && id < 4 * mesh->tetrahedron_count; ++id) {
         if (x.is_surface[id]) {
             /* An inverted tetrahedron still has its outside outside. */
             int32_t node[3];
             get_face(mesh, id, node);
             const bool is_inverted = six_volumes(mesh, mesh->tetrahedron[id / 4]) < 0.0;
-            int32_t *triangle = mesh->triangle[mesh->triangle_count++];
-            triangle[0] = node[0];
-            triangle[1] = node[is_inverted ? 2 : 1];
-            triangle[2] = node[is_inverted ? 1 : 2];
+            const int32_t corner[3] = {node[0], node[is_inverted ? 2 : 1],
+                                       node[is_inverted ? 1 : 2]};
+            int32_t(*triangle)[3] = mesh->triangle + mesh->triangle_count;
+            if (mesh->middle != NULL) {
+                put_quarters(mesh, id / 4, corner, triangle);
+            } else {
+                memcpy(*triangle, corner, sizeof corner);
+            }
+            mesh->triangle_count += parts;
         }
     }
     extractor_fini(&x);

@@ -7,12 +7,15 @@
  *   .node: points 3 attribute-count has-marker / number x y z attribute ... [marker] ...
  *   .ele:  tetrahedra 4 region-count / number node node node node [region] ...
  *
+ * With -o2 tetrahedra have 10 nodes, corners first (second_order.h: the others).
+ *
  * TetGen numbers from 0 or from 1, as its first point says; here any numbers do, with gaps. The
  * points' markers name the groups marker=VALUE, the regions region=VALUE. Zero is a value too: a
  * file that marks nothing says so.
  */
 #include "mesh/draft.h"
 #include "mesh/readers.h"
+#include "mesh/second_order.h"
 
 #include <limits.h>
 #include <math.h>
@@ -130,19 +133,32 @@ static bool read_node(reader *r, int64_t row, const int64_t *head)
     return ss_draft_put_node(r->draft, index, x);
 }
 
-/* The field's values as groups of nodes: of each by its number, or of the corners of elements. */
-static bool keep(reader *r, const char *name, int32_t first, int32_t count,
-                 const int32_t (*corner)[4])
+static bool mark(reader *r, int32_t group, int32_t count, const int32_t *node)
 {
+    for (int32_t k = 0; k < count; ++k) {
+        if (!ss_draft_mark(r->draft, group, node[k])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The field's values as groups of nodes: of each by its number, or of those of elements. */
+static bool keep(reader *r, const char *name, int32_t first, int32_t count, bool is_of_elements)
+{
+    const ss_draft *d = r->draft;
     if (!ss_draft_name_field(r->draft, &r->field, name, first)) {
         return false;
     }
     for (int32_t i = 0; i < count; ++i) {
         const int32_t group = ss_draft_field_group(&r->field, i);
-        for (int k = 0; k < (corner != NULL ? 4 : 1) && group >= 0; ++k) {
-            if (!ss_draft_mark(r->draft, group, corner != NULL ? corner[i][k] : i)) {
-                return false;
-            }
+        const bool is_kept = group < 0 ? true
+                             : is_of_elements
+                                 ? mark(r, group, 4, d->tetrahedron[i]) &&
+                                       (d->middle == NULL || mark(r, group, 6, d->middle[i]))
+                                 : mark(r, group, 1, &i);
+        if (!is_kept) {
+            return false;
         }
     }
     return true;
@@ -168,7 +184,7 @@ static bool read_nodes(reader *r)
         return false;
     }
     return read_rows(r, read_node, head, "points") && ss_draft_sort_tags(r->draft) &&
-           (head[3] == 0 || keep(r, "marker", 0, r->draft->node_count, NULL));
+           (head[3] == 0 || keep(r, "marker", 0, r->draft->node_count, false));
 }
 
 /* ---- tetrahedra ---- */
@@ -187,12 +203,12 @@ static bool read_element(reader *r, int64_t index, const int64_t *head)
     ss_text_span line;
     int64_t tag = 0;
     double region = 0.0;
-    int32_t node[4] = {0};
+    int32_t node[SS_DRAFT_MAX_NODES] = {0};
     if (!next_line(r->text, &line)) {
         return fault_cut(r, "tetrahedron", index, head[0]);
     }
     bool is_good = ss_span_next_int64(&line, &tag);
-    for (int k = 0; k < 4 && is_good; ++k) {
+    for (int64_t k = 0; k < head[1] && is_good; ++k) {
         is_good = ss_span_next_int64(&line, &tag);
         node[k] = is_good ? ss_draft_find_node(r->draft, tag) : -1;
         if (is_good && node[k] < 0) {
@@ -210,36 +226,38 @@ static bool read_element(reader *r, int64_t index, const int64_t *head)
     }
     if (!is_good || !ss_span_is_blank(line)) {
         ss_text_fault(r->text,
-                      "tetrahedron %lld: its number, 4 points and %lld regions expected here",
-                      (long long)index, (long long)head[2]);
+                      "tetrahedron %lld: its number, %lld points and %lld regions expected here",
+                      (long long)index, (long long)head[1], (long long)head[2]);
         return false;
     }
     set_region(r, index, region);
-    return ss_draft_add_element(r->draft, SS_MESH_TETRAHEDRON, node);
+    return ss_draft_add_element(r->draft,
+                                head[1] == 10 ? SS_MESH_TETRAHEDRON_2 : SS_MESH_TETRAHEDRON, node,
+                                ss_mesh_sides_of_tetgen);
 }
 
 static bool read_elements(reader *r)
 {
     int64_t head[3] = {0, 4, 0};
-    if (!read_head(r, "the numbers of tetrahedra, of nodes of each (4) and of regions", 3, head)) {
+    if (!read_head(r, "the numbers of tetrahedra, of nodes of each (4 or 10) and of regions", 3,
+                   head)) {
         return false;
     }
-    if (head[1] != 4 || head[2] < 0 || head[2] > MAX_COLUMNS) {
+    if ((head[1] != 4 && head[1] != 10) || head[2] < 0 || head[2] > MAX_COLUMNS) {
         ss_text_fault(r->text,
                       "elements of %lld nodes and %lld regions are not read: give tetrahedra of 4 "
-                      "nodes (tetgen without -o2) and at most %d regions",
+                      "nodes, or 10 (tetgen -o2), and at most %d regions",
                       (long long)head[1], (long long)head[2], (int)MAX_COLUMNS);
         return false;
     }
-    r->draft->found[SS_MESH_TETRAHEDRON] = head[0];
+    r->draft->found[head[1] == 10 ? SS_MESH_TETRAHEDRON_2 : SS_MESH_TETRAHEDRON] = head[0];
     if (!has_room(r, head[0], MIN_ELEMENT, "tetrahedra") ||
         !ss_draft_make_elements(r->draft, NULL) ||
         !ss_draft_make_field(r->draft, &r->field, head[0])) {
         return false;
     }
     return read_rows(r, read_element, head, "tetrahedra") && r->text->fault_count == 0 &&
-           (head[2] == 0 || keep(r, "region", 1, r->draft->tetrahedron_count,
-                                 (const int32_t(*)[4])r->draft->tetrahedron));
+           (head[2] == 0 || keep(r, "region", 1, r->draft->tetrahedron_count, true));
 }
 
 softsim_status ss_mesh_parse_tetgen(ss_text *nodes, ss_text *elements, double metres_per_unit,

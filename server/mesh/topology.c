@@ -148,7 +148,7 @@ bool ss_mesh_list_quads(const ss_mesh *mesh, ss_mesh_tuples *out)
 bool ss_mesh_list_tetrahedron_edges(const ss_mesh *mesh, ss_mesh_tuples *out)
 {
     return list(mesh, (const int32_t *)mesh->tetrahedron, mesh->tetrahedron_count, 4,
-                tetrahedron_edge, 6, 2, false, out);
+                tetrahedron_edge, 6, 2, true, out);
 }
 
 bool ss_mesh_list_tetrahedron_faces(const ss_mesh *mesh, ss_mesh_tuples *out)
@@ -230,6 +230,19 @@ static void join_elements(const ss_mesh *mesh, const int32_t *element, int32_t c
     }
 }
 
+static void join_middles(const ss_mesh *mesh, int32_t *parent, bool *is_used)
+{
+    for (int32_t e = 0; mesh->middle != NULL && e < mesh->tetrahedron_count; ++e) {
+        const int32_t *corner = mesh->tetrahedron[e];
+        for (int s = 0; s < 6 && ss_mesh_has_good_nodes(mesh, corner, 4); ++s) {
+            if (ss_mesh_has_good_nodes(mesh, &mesh->middle[e][s], 1)) {
+                is_used[mesh->middle[e][s]] = true;
+                ss_mesh_union_join(parent, corner[0], mesh->middle[e][s]);
+            }
+        }
+    }
+}
+
 int32_t ss_mesh_find_parts(const ss_mesh *mesh, bool by_tetrahedra, int32_t *out_part)
 {
     const int32_t n = mesh->node_count;
@@ -245,6 +258,7 @@ int32_t ss_mesh_find_parts(const ss_mesh *mesh, bool by_tetrahedra, int32_t *out
         if (by_tetrahedra) {
             join_elements(mesh, (const int32_t *)mesh->tetrahedron, mesh->tetrahedron_count, 4,
                           parent, is_used);
+            join_middles(mesh, parent, is_used);
         }
         for (int32_t i = 0; i < n; ++i) {
             const int32_t root = ss_mesh_union_find(parent, i);

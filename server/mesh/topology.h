@@ -29,7 +29,7 @@ bool ss_mesh_list_triangle_edges(const ss_mesh *mesh, ss_mesh_tuples *out); /* i
 bool ss_mesh_list_triangles(const ss_mesh *mesh, ss_mesh_tuples *out);
 bool ss_mesh_list_quad_edges(const ss_mesh *mesh, ss_mesh_tuples *out); /* id 4 q + corner */
 bool ss_mesh_list_quads(const ss_mesh *mesh, ss_mesh_tuples *out);
-bool ss_mesh_list_tetrahedron_edges(const ss_mesh *mesh, ss_mesh_tuples *out); /* id e */
+bool ss_mesh_list_tetrahedron_edges(const ss_mesh *mesh, ss_mesh_tuples *out); /* id 6 e + side */
 bool ss_mesh_list_tetrahedron_faces(const ss_mesh *mesh, ss_mesh_tuples *out); /* id 4 e + corner */
 bool ss_mesh_list_tetrahedra(const ss_mesh *mesh, ss_mesh_tuples *out);
 void ss_mesh_tuples_fini(ss_mesh_tuples *tuples);

@@ -12,6 +12,7 @@
 #include "mesh/vtk.h"
 
 #include "mesh/readers.h"
+#include "mesh/second_order.h"
 #include "rt/each.h"
 #include "rt/memory.h"
 
@@ -195,21 +196,25 @@ static bool read_points(reader *r)
 
 /* ---- cells ---- */
 
-/* Of VTK's cell types (vtkCellType.h): corners 0 are any. */
+/* Of VTK's cell types (vtkCellType.h): nodes 0 are any. */
 static const struct {
     ss_mesh_kind kind;
-    int32_t corners;
+    int32_t nodes;
 } types[] = {
-    {SS_MESH_OTHER, 0},      {SS_MESH_POINT, 1},       {SS_MESH_POINT, 0},
-    {SS_MESH_LINE, 2},       {SS_MESH_LINE, 0},        {SS_MESH_TRIANGLE, 3},
-    {SS_MESH_POLYGON, 0},    {SS_MESH_POLYGON, 0},     {SS_MESH_POLYGON, 4},
-    {SS_MESH_QUAD, 4},       {SS_MESH_TETRAHEDRON, 4}, {SS_MESH_HEXAHEDRON, 8},
-    {SS_MESH_HEXAHEDRON, 8}, {SS_MESH_PRISM, 6},       {SS_MESH_PYRAMID, 5},
+    {SS_MESH_OTHER, 0},          {SS_MESH_POINT, 1},       {SS_MESH_POINT, 0},
+    {SS_MESH_LINE, 2},           {SS_MESH_LINE, 0},        {SS_MESH_TRIANGLE, 3},
+    {SS_MESH_POLYGON, 0},        {SS_MESH_POLYGON, 0},     {SS_MESH_POLYGON, 4},
+    {SS_MESH_QUAD, 4},           {SS_MESH_TETRAHEDRON, 4}, {SS_MESH_HEXAHEDRON, 8},
+    {SS_MESH_HEXAHEDRON, 8},     {SS_MESH_PRISM, 6},       {SS_MESH_PYRAMID, 5},
+    {SS_MESH_OTHER, 0},          {SS_MESH_OTHER, 0},       {SS_MESH_OTHER, 0},
+    {SS_MESH_OTHER, 0},          {SS_MESH_OTHER, 0},       {SS_MESH_OTHER, 0},
+    {SS_MESH_LINE_2, 3},         {SS_MESH_TRIANGLE_2, 6},  {SS_MESH_HIGHER_ORDER, 0},
+    {SS_MESH_TETRAHEDRON_2, 10},
 };
 enum {
     TYPE_POLYGON = 7,
     TYPE_COUNT = sizeof types / sizeof types[0],
-    FIRST_QUADRATIC = 21,
+    FIRST_QUADRATIC = TYPE_COUNT,
     LAST_QUADRATIC = 37,
     FIRST_HIGHER = 60,
     LAST_HIGHER = 81
@@ -226,7 +231,7 @@ static bool find_kind(int32_t type, int64_t size, ss_mesh_kind *out)
                            (type >= FIRST_HIGHER && type <= LAST_HIGHER);
     const bool is_listed = type < TYPE_COUNT;
     *out = is_listed ? types[type].kind : is_higher ? SS_MESH_HIGHER_ORDER : SS_MESH_OTHER;
-    return !is_listed || types[type].corners == 0 || types[type].corners == size;
+    return !is_listed || types[type].nodes == 0 || types[type].nodes == size;
 }
 
 static bool read_types(reader *r)
@@ -317,7 +322,7 @@ static bool next_kind(reader *r, const ss_vtk_section *section, int64_t cell, in
     if (!find_kind(type, size, out)) {
         ss_text_fault(r->text, "cell %lld, of type %d (%s), has %lld nodes: it must have %d",
                       (long long)cell, type, ss_mesh_kind_name(*out), (long long)size,
-                      types[type].corners);
+                      types[type].nodes);
         return false;
     }
     return true;
@@ -402,9 +407,11 @@ static bool read_cell(reader *r, const ss_vtk_section *section, int64_t cell, in
                       ss_mesh_kind kind)
 {
     /* Faces of any kind beside tetrahedra name nodes. */
-    const bool is_volume = r->draft->found[SS_MESH_TETRAHEDRON] > 0;
-    const bool names = kind <= SS_MESH_TETRAHEDRON || (kind == SS_MESH_POLYGON && is_volume);
-    int32_t node[SS_DRAFT_MAX_CORNERS] = {0};
+    const int64_t *found = r->draft->found;
+    const bool is_volume = found[SS_MESH_TETRAHEDRON] + found[SS_MESH_TETRAHEDRON_2] > 0;
+    const bool is_face = kind == SS_MESH_POLYGON || kind == SS_MESH_TRIANGLE_2;
+    const bool names = kind <= SS_MESH_TETRAHEDRON_2 || (is_face && is_volume);
+    int32_t node[SS_DRAFT_MAX_NODES] = {0};
     bool is_good = true;
     for (int64_t k = 0; k < size; ++k) {
         int64_t index = 0;
@@ -422,14 +429,14 @@ static bool read_cell(reader *r, const ss_vtk_section *section, int64_t cell, in
             is_good = false;
             continue;
         }
-        if (k < SS_DRAFT_MAX_CORNERS) {
+        if (k < SS_DRAFT_MAX_NODES) {
             node[k] = (int32_t)index;
         }
         if (names && !mark_node(r, cell, (int32_t)index)) {
             return false;
         }
     }
-    return is_good ? ss_draft_add_element(r->draft, kind, node)
+    return is_good ? ss_draft_add_element(r->draft, kind, node, ss_mesh_sides_of_vtk)
                    : r->text->fault_count < SS_TEXT_MAX_FAULTS;
 }
 

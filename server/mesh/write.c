@@ -7,6 +7,7 @@
  * give the same groups.
  */
 #include "mesh/mesh.h"
+#include "mesh/second_order.h"
 #include "rt/files.h"
 #include "rt/memory.h"
 
@@ -151,6 +152,35 @@ static void write_groups(FILE *file, const ss_mesh *mesh, int64_t *inout_element
     }
 }
 
+/* The i-th node of tetrahedron e, with middles in a format's order. */
+static int32_t node_of(const ss_mesh *mesh, int32_t e, int i, const int8_t *sides)
+{
+    return i < 4 ? mesh->tetrahedron[e][i] : mesh->middle[e][sides[i - 4]];
+}
+
+static void write_msh_tetrahedra(FILE *file, const ss_mesh *mesh, int64_t *inout_element)
+{
+    const bool is_second = mesh->middle != NULL;
+    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
+        (void)fprintf(file, "%lld %d 2 0 1", (long long)(*inout_element)++, is_second ? 11 : 4);
+        for (int i = 0; i < (is_second ? 10 : 4); ++i) {
+            (void)fprintf(file, " %d", node_of(mesh, e, i, ss_mesh_sides_of_gmsh) + 1);
+        }
+        (void)fputc('\n', file);
+    }
+}
+
+/* Faces of second order, each of four quarters. */
+static void write_msh_faces(FILE *file, const ss_mesh *mesh, int64_t *inout_element)
+{
+    for (int32_t t = 0; t < mesh->triangle_count; t += 4) {
+        const int32_t(*four)[3] = (const int32_t(*)[3])mesh->triangle + t;
+        (void)fprintf(file, "%lld 9 2 0 1 %d %d %d %d %d %d\n", (long long)(*inout_element)++,
+                      four[0][0] + 1, four[1][0] + 1, four[2][0] + 1, four[3][0] + 1,
+                      four[3][1] + 1, four[3][2] + 1);
+    }
+}
+
 softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_error *error)
 {
     output out;
@@ -171,8 +201,10 @@ softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_
         (void)fprintf(out.file, "%d ", i + 1);
         put_position(out.file, mesh->position[i]);
     }
-    const int32_t triangle_count = mesh->quad_count > 0 ? 0 : mesh->triangle_count;
-    int64_t count = (int64_t)mesh->quad_count + triangle_count + mesh->tetrahedron_count;
+    const bool is_second = mesh->middle != NULL;
+    const int32_t triangle_count = mesh->quad_count > 0 || is_second ? 0 : mesh->triangle_count;
+    int64_t count = (int64_t)mesh->quad_count + triangle_count + mesh->tetrahedron_count +
+                    (is_second ? mesh->triangle_count / 4 : 0);
     for (int32_t g = 0; g < mesh->group_count; ++g) {
         count += mesh->group[g].node_count;
     }
@@ -189,11 +221,10 @@ softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_
         (void)fprintf(out.file, "%lld 2 2 0 1 %d %d %d\n", (long long)element++, node[0] + 1,
                       node[1] + 1, node[2] + 1);
     }
-    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
-        const int32_t *node = mesh->tetrahedron[e];
-        (void)fprintf(out.file, "%lld 4 2 0 1 %d %d %d %d\n", (long long)element++, node[0] + 1,
-                      node[1] + 1, node[2] + 1, node[3] + 1);
+    if (is_second) {
+        write_msh_faces(out.file, mesh, &element);
     }
+    write_msh_tetrahedra(out.file, mesh, &element);
     (void)fprintf(out.file, "$EndElements\n");
     return close_output(&out);
 }
@@ -249,6 +280,24 @@ static void write_cells(FILE *file, const char *section, const int32_t *node, in
     }
 }
 
+static void write_vtk_tetrahedra(FILE *file, const ss_mesh *mesh)
+{
+    const int nodes = mesh->middle != NULL ? 10 : 4;
+    (void)fprintf(file, "CELLS %d %lld\n", mesh->tetrahedron_count,
+                  (long long)mesh->tetrahedron_count * (nodes + 1));
+    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
+        (void)fprintf(file, "%d", nodes);
+        for (int i = 0; i < nodes; ++i) {
+            (void)fprintf(file, " %d", node_of(mesh, e, i, ss_mesh_sides_of_vtk));
+        }
+        (void)fputc('\n', file);
+    }
+    (void)fprintf(file, "CELL_TYPES %d\n", mesh->tetrahedron_count);
+    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
+        (void)fputs(mesh->middle != NULL ? "24\n" : "10\n", file);
+    }
+}
+
 softsim_status ss_mesh_write_vtk(const ss_mesh *mesh, const char *path, softsim_error *error)
 {
     const bool is_volume = mesh->tetrahedron_count > 0;
@@ -265,12 +314,7 @@ softsim_status ss_mesh_write_vtk(const ss_mesh *mesh, const char *path, softsim_
         put_position(out.file, mesh->position[i]);
     }
     if (is_volume) {
-        write_cells(out.file, "CELLS", (const int32_t *)mesh->tetrahedron, mesh->tetrahedron_count,
-                    4);
-        (void)fprintf(out.file, "CELL_TYPES %d\n", mesh->tetrahedron_count);
-        for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
-            (void)fputs("10\n", out.file);
-        }
+        write_vtk_tetrahedra(out.file, mesh);
     } else if (mesh->quad_count > 0) {
         write_cells(out.file, "POLYGONS", (const int32_t *)mesh->quad, mesh->quad_count, 4);
     } else {

@@ -123,7 +123,8 @@ typedef struct ss_model_class {
     const ss_param_row *row;
     int32_t row_count;
     bool needs_volume;
-    bool has_no_energy; /* a rule for shapes: the energies that info tells are 0 */
+    bool takes_second_order; /* meshes with nodes in the middle of sides; others are refused */
+    bool has_no_energy;      /* a rule for shapes: the energies that info tells are 0 */
     /* Estimated cost of one step in microseconds on the reference core, from counts alone; with a
      * plan->step of 0, which is not chosen yet, of a short one. */
     double (*step_cost_us)(const ss_model_plan *plan);

@@ -270,6 +270,14 @@ static bool take_mesh(ss_scene_loader *l)
                             "softsim-mesh tetrahedralize",
                             l->model->name, file != NULL ? file->text : "object.grid");
     }
+    if (l->model != NULL && !l->model->takes_second_order && file != NULL &&
+        scene->mesh->middle != NULL) {
+        ss_scene_node_fault(l->report, source,
+                            "%s has no nodes in the middle of sides, and '%.100s' is of second "
+                            "order; take fem-quadratic, or a mesh of its corners: softsim-mesh "
+                            "convert --order 1",
+                            l->model->name, file->text);
+    }
     char name[2048];
     if (file != NULL) {
         ss_scene_join_path(l->space.folder, file->text, name, sizeof name);

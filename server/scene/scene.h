@@ -25,7 +25,7 @@ typedef struct ss_scene_model {
     const char *name;
     const ss_param_row *row;
     int32_t row_count;
-    bool needs_volume;
+    bool needs_volume, takes_second_order;
 } ss_scene_model;
 
 /* One entry of `prescribed` gives several of these when its displacement_file leaves different

@@ -43,7 +43,8 @@ int32_t ss_world_scene_models(ss_scene_model out_models[SS_MAX_MODELS])
         out_models[i] = (ss_scene_model){.name = table[i]->name,
                                          .row = table[i]->row,
                                          .row_count = table[i]->row_count,
-                                         .needs_volume = table[i]->needs_volume};
+                                         .needs_volume = table[i]->needs_volume,
+                                         .takes_second_order = table[i]->takes_second_order};
     }
     return count;
 }

@@ -3,7 +3,7 @@
 #pragma once
 /*
  * What every mesh reader's fuzzer asks of what was read: indices in range, finite positions, groups
- * with nodes in increasing order; and it must survive every check and measure.
+ * with nodes in increasing order; and it must survive every check, measure and change.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -36,6 +36,25 @@ static void examine_groups(const ss_mesh *mesh)
     }
 }
 
+/* Of the other order, mended; a good mesh stays one. */
+static void examine_changes(const ss_mesh *mesh, bool is_usable)
+{
+    softsim_error error = {0};
+    ss_mesh_repairs done;
+    ss_mesh *changed = NULL;
+    const softsim_status status =
+        (mesh->middle != NULL ? ss_mesh_lower : ss_mesh_raise)(mesh, &changed, &error);
+    require((status == SOFTSIM_OK) == (changed != NULL));
+    require(changed == NULL || (changed->middle == NULL) == (mesh->middle != NULL));
+    require(changed != NULL || !is_usable || mesh->tetrahedron_count == 0);
+    if (is_usable && mesh->middle == NULL && changed != NULL) {
+        require(ss_mesh_accept(changed, "raised", &error) == SOFTSIM_OK);
+    }
+    ss_mesh_destroy(&changed);
+    require((ss_mesh_repair(mesh, &changed, &done, &error) == SOFTSIM_OK) == (changed != NULL));
+    ss_mesh_destroy(&changed);
+}
+
 static void examine_mesh(ss_mesh *mesh)
 {
     ss_mesh_report report;
@@ -53,11 +72,17 @@ static void examine_mesh(ss_mesh *mesh)
             require(mesh->triangle[t][k] >= 0 && mesh->triangle[t][k] < mesh->node_count);
         }
     }
+    require(mesh->middle == NULL || mesh->triangle_count % 4 == 0);
+    for (int64_t s = 0; mesh->middle != NULL && s < 6 * (int64_t)mesh->tetrahedron_count; ++s) {
+        const int32_t node = mesh->middle[s / 6][s % 6];
+        require(node >= 0 && node < mesh->node_count);
+    }
     for (int kind = 0; kind < SS_MESH_KIND_COUNT; ++kind) {
         require(mesh->skipped[kind] >= 0);
     }
     examine_groups(mesh);
     const bool is_usable = ss_mesh_accept(mesh, "fuzz", &error) == SOFTSIM_OK;
+    examine_changes(mesh, is_usable);
     require(ss_mesh_orient(mesh) >= 0);
     require(ss_mesh_orient(mesh) == 0 || report.non_manifold_edge.count > 0 ||
             report.inconsistent_winding.count > 0 || report.zero_area.count > 0 ||

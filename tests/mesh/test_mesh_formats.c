@@ -100,6 +100,39 @@
 #define VTU      XML FILE_BEGIN PIECE POINT_DATA XML_POINTS XML_CELLS FILE_END
 #define BODY_VTU BODY " {a < b=0 2} {a < b=1 3} -triangles 1"
 
+/* Ten nodes, each order's own: 01 12 02 03 23 13 of Gmsh, 01 12 02 03 13 23 of VTK, 23 03 01 12 13
+ * 02 of TetGen. */
+#define TEN_PLACES(n1, n2, n3, n4, n5, n6, n7, n8, n9, n10)                                        \
+    n1 "0 0 0\n" n2 "2 0 0\n" n3 "0 2 0\n" n4 "0 0 2\n" n5 "1 0 0\n" n6 "1 1 0\n" n7 "0 1 0\n" n8  \
+       "0 0 1\n" n9 "1 0 1\n" n10 "0 1 1\n"
+#define TEN_LINES  TEN_PLACES("1 ", "2 ", "3 ", "4 ", "5 ", "6 ", "7 ", "8 ", "9 ", "10 ")
+#define TEN_BARE   TEN_PLACES("", "", "", "", "", "", "", "", "", "")
+#define TEN_NODES2 "$Nodes\n10\n" TEN_LINES "$EndNodes\n"
+#define TEN_NODE1  "10 3 0 0\n" TEN_LINES
+#define TEN_POINTS "POINTS 10 double\n" TEN_BARE
+#define TEN        "10 nodes 16 triangles 1 tetrahedra volume 1.33333"
+#define SECOND2                                                                                    \
+    HEAD2                                                                                          \
+    "$PhysicalNames\n2\n1 4 \"edge\"\n2 7 \"face\"\n$EndPhysicalNames\n" TEN_NODES2                \
+    "$Elements\n3\n1 8 2 4 1 1 2 5\n2 9 2 7 1 1 3 2 7 6 5\n3 11 2 1 1 1 2 3 4 5 6 7 8 10 9\n"      \
+    "$EndElements\n"
+#define SECOND4                                                                                    \
+    HEAD4 "$Entities\n0 0 1 1\n5 0 0 0 1 1 0 1 7 0\n1 0 0 0 1 1 1 0 0\n$EndEntities\n"             \
+          "$Nodes\n1 10 1 10\n3 1 0 10\n1\n2\n3\n4\n5\n6\n7\n8\n9\n10\n" TEN_BARE                  \
+          "$EndNodes\n$Elements\n2 2 1 2\n2 5 9 1\n1 1 3 2 7 6 5\n3 1 11 1\n"                      \
+          "2 1 2 3 4 5 6 7 8 10 9\n$EndElements\n"
+#define SECONDVTK                                                                                  \
+    GRID3 TEN_POINTS "CELLS 2 18\n10 0 1 2 3 4 5 6 7 8 9\n6 0 2 1 6 5 4\nCELL_TYPES 2\n24\n22\n"   \
+                     "CELL_DATA 2\nSCALARS region int 1\nLOOKUP_TABLE default\n2 3\n"
+#define SECONDVTU                                                                                  \
+    "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>"                                        \
+    "<Piece NumberOfPoints=\"10\" NumberOfCells=\"1\"><Points><DataArray type=\"Float64\" "        \
+    "NumberOfComponents=\"3\">" TEN_BARE "</DataArray></Points><Cells>"                            \
+    "<DataArray type=\"Int64\" Name=\"connectivity\">0 1 2 3 4 5 6 7 8 9</DataArray>"              \
+    "<DataArray type=\"Int64\" Name=\"offsets\">10</DataArray>"                                    \
+    "<DataArray type=\"UInt8\" Name=\"types\">24</DataArray></Cells></Piece></UnstructuredGrid>"   \
+    "</VTKFile>\n"
+
 /* ---- the table ---- */
 
 typedef enum change {
@@ -203,10 +236,43 @@ static const file_case cases[] = {
           "!element 0, a tetrahedron: its number and then 4"),
     PLAIN("four-parts.msh", HEAD4 "$PartitionedEntities\n1\n$EndPartitionedEntities\n",
           "!a mesh in partitions is not read"),
-    PLAIN("four-second.msh",
-          HEAD4 NODES4 "$Elements\n1 1 1 1\n3 1 11 1\n1 1 2 30 7 1 2 30 7 1 "
+    PLAIN("four-fourth.msh",
+          HEAD4 NODES4 "$Elements\n1 1 1 1\n3 1 30 1\n1 1 2 30 7 1 2 30 7 1 "
                        "2\n$EndElements\n",
-          "!type 11 (second-order tetrahedron)"),
+          "!type 30 (no triangle or tetrahedron)"),
+    PLAIN("four-triangles.msh",
+          HEAD4 NODES4 "$Elements\n1 1 1 1\n2 1 9 1\n1 1 2 30 7 1 2\n$EndElements\n",
+          "!type 9 (second-order triangle): mesh it so; surfaces of first order"),
+    /* Second order */
+    PLAIN("second.msh", SECOND2,
+          TEN " {edge 3} {face 6} {volume-1 10} -lines of second order 1 "
+              "-triangles of second order 1"),
+    CHANGED("second-crlf.msh", SECOND2, CRLF,
+            TEN " {edge 3} {face 6} {volume-1 10} -lines of "
+                "second order 1 -triangles of second order 1"),
+    PLAIN("second-four.msh", SECOND4, TEN " {surface-7 6} -triangles of second order 1"),
+    PLAIN("second-short.msh",
+          HEAD2 TEN_NODES2 "$Elements\n1\n1 11 2 0 0 1 2 3 4 5 6 7 8 9\n$EndElements\n",
+          "!element 0, a second-order tetrahedron: its tags and then 10 node numbers"),
+    PLAIN("second-long.msh",
+          HEAD2 TEN_NODES2 "$Elements\n1\n1 11 2 0 0 1 2 3 4 5 6 7 8 9 10 10\n$EndElements\n",
+          "!element 0, a second-order tetrahedron: its tags and then 10 node numbers"),
+    PLAIN("second-range.msh",
+          HEAD2 TEN_NODES2 "$Elements\n1\n1 11 2 0 0 1 2 3 4 5 6 7 8 9 11\n$EndElements\n",
+          "!element 0: there is no node number 11"),
+    PLAIN("both.msh",
+          HEAD2 TEN_NODES2 "$Elements\n2\n1 11 2 0 0 1 2 3 4 5 6 7 8 9 10\n2 4 2 0 0 1 2 3 4\n"
+                           "$EndElements\n",
+          "!1 tetrahedra of 4 nodes beside 1 of 10: mesh it all of one order"),
+    PLAIN("second.vtk", SECONDVTK, TEN " {region=2 10} {region=3 6} -triangles of second order 1"),
+    PLAIN("second-short.vtk",
+          GRID3 TEN_POINTS "CELLS 1 10\n9 0 1 2 3 4 5 6 7 8\nCELL_TYPES 1\n24\n",
+          "!cell 0, of type 24 (tetrahedra of second order), has 9 nodes: it must have 10"),
+    PLAIN("second.vtu", SECONDVTU, TEN),
+    PAIR("s1.ele", "1 10 1\n1 1 2 3 4 10 8 5 6 9 7 5\n", AS_IS, NULL, "s1.node", TEN_NODE1,
+         TEN " {region=5 10}"),
+    PAIR("s2.ele", "1 10 0\n1 1 2 3 4 5 6 7 8 9\n", AS_IS, NULL, "s2.node", TEN_NODE1,
+         "!tetrahedron 0: its number, 10 points and 0 regions expected here"),
     /* TetGen */
     PAIR("t1.node", NODE1, AS_IS, NULL, "t1.ele", ELE1, BODY_TET1),
     PAIR("t2.1.ele", ELE1, AS_IS, NULL, "t2.1.node", NODE1, BODY_TET1),
@@ -223,8 +289,8 @@ static const file_case cases[] = {
          "!wrong-base.ele:3: tetrahedron 1: there is no point number 5"),
     PAIR("flat.node", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n", AS_IS, NULL, "flat.ele", "1 3 0\n1 1 2 3\n",
          "!flat.node:1: points of 2 dimensions"),
-    PAIR("o2.ele", "1 10 0\n1 1 2 3 4 5 6 7 8 9 10\n", AS_IS, NULL, "o2.node", NODE0,
-         "!elements of 10 nodes"),
+    PAIR("o3.ele", "1 20 0\n1 1 2 3 4 5 6 7 8 9 10\n", AS_IS, NULL, "o3.node", NODE0,
+         "!elements of 20 nodes"),
     PAIR("cut.node", NODE0, CUT, "2 0 1 0\n", "cut.ele", ELE0,
          "!cut.node:1: 5 points announced, but"),
     PAIR("cut2.ele", ELE0, CUT, "1 0 2", "cut2.node", NODE0,

@@ -31,6 +31,7 @@ static const ss_param_row block_row[] = {
 static const ss_scene_model model[] = {
     {.name = "jelly", .row = jelly_row, .row_count = sizeof jelly_row / sizeof *jelly_row},
     {.name = "block", .row = block_row, .row_count = 1, .needs_volume = true},
+    {.name = "bubble", .row = block_row, .row_count = 1, .takes_second_order = true},
 };
 enum { MODEL_COUNT = sizeof model / sizeof *model };
 
@@ -69,6 +70,10 @@ static int make_files(void **state)
     stream = open_file("cube_m.msh"); /* the same, in m */
     print_cube(stream, 0.02);
     fclose(stream);
+    write_text("ten.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 20 0 0\n"
+                          "3 0 20 0\n4 0 0 20\n5 10 0 0\n6 10 10 0\n7 0 10 0\n8 0 0 10\n9 0 10 10\n"
+                          "10 10 0 10\n$EndNodes\n$Elements\n1\n1 11 0 1 2 3 4 5 6 7 8 9 10\n"
+                          "$EndElements\n");
     write_text("seven.txt", "# the far corner\n7\n");
     write_text("none.txt", "# nothing\n");
     write_text("bad_nodes.txt", "1\ntwo\n8\n1\n");

@@ -160,6 +160,24 @@ TEST(a_model_that_is_missing_or_needs_a_volume_is_named)
     assert_non_null(strstr(error.text, ":2:16: error: block needs a volume"));
 }
 
+TEST(a_mesh_of_second_order_is_refused_by_models_without_such_elements)
+{
+    assert_null(load_with("softsim: 1\nobject: {mesh: ten.msh, units: mm}\nmodel: {name: block}\n",
+                          NULL, 0));
+    assert_int_equal(error.fault_count, 1);
+    assert_non_null(strstr(error.text,
+                           ":2:16: error: block has no nodes in the middle of sides, and "
+                           "'ten.msh' is of second order; take fem-quadratic, or"));
+    assert_non_null(strstr(error.text, "convert --order 1"));
+    ss_scene *scene = load_with(
+        "softsim: 1\nobject: {mesh: ten.msh, units: mm}\nmodel: {name: bubble}\n", NULL, 0);
+    if (scene == NULL) {
+        fail_msg("%s", error.text);
+    }
+    assert_int_equal(scene->mesh->node_count, 10);
+    ss_scene_destroy(&scene);
+}
+
 TEST(shows_the_line_and_a_caret)
 {
     assert_null(load_with(replace_line(12, "  max_force_n: 300"), NULL, 0));

@@ -214,6 +214,27 @@ TEST(formats_and_units_are_converted)
     ss_mesh_destroy(&m);
 }
 
+TEST(the_order_of_tetrahedra_is_told_and_changed)
+{
+    char out[8192];
+    write_text("one.msh", MSH("4\n" CORNERS, "1\n1 4 2 0 1 1 2 3 4\n"));
+    write_text("flat.obj", CUBE_V CUBE_F);
+    static const tool_row rows[] = {
+        {"convert one.msh two.vtk --order 2", 0, "10 nodes, 1 tetrahedra of second order"},
+        {"info two.vtk", 0, "order       2 (a node on every side"},
+        {"info two.vtk --json", 0, "\"order\": 2"},
+        {"check two.vtk --units m", 0, "fem-quadratic: stable step"},
+        {"check two.vtk --units m", 0, " fem: it takes no mesh of second order: softsim-mesh "},
+        {"convert two.vtk back.msh --order 1", 0, "4 nodes, 1 tetrahedra of dihedral"},
+        {"info back.msh --json", 0, "\"order\": 1"},
+        {"convert flat.obj no.msh --order 2", 2, "a surface has no second order"},
+        {"convert one.msh no.msh --order 3", 2, "--order"},
+    };
+    expect_answers(rows, COUNT(rows));
+    run_tool("convert one.msh as-is.msh");
+    assert_int_equal(run("cmp back.msh as-is.msh", out, sizeof out), 0);
+}
+
 TEST(repair_tells_each_change_and_what_comes_out_is_good)
 {
     char out[4096];

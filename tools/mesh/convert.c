@@ -16,6 +16,7 @@
 typedef struct conversion {
     const char *path[2];
     int32_t units, to_units; /* -1: not given */
+    int64_t order;           /* 0: as IN */
     bool is_mended, overwrites;
 } conversion;
 
@@ -28,6 +29,9 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
                 "welds nodes on top of others, drops flat and double elements and loose nodes, "
                 "turns what "
                 "is inside out; tells what it did and what it left"),
+        {"--order", SS_ARG_INTEGER, &c->order, 1, 2, "N",
+         "of the tetrahedra: 2 adds nodes in the middle of sides, 1 leaves them out and closes up "
+         "the numbers (as IN)"},
         SS_CHOICE("--units", &c->units, UNITS, "of IN"),
         SS_CHOICE("--to-units", &c->to_units, UNITS, "of OUT (as IN)"),
         SS_FLAG("--overwrite", &c->overwrites, "OUT may be IN"),
@@ -112,6 +116,21 @@ static softsim_status mend(const char *path, ss_mesh **inout_mesh, softsim_error
     return SOFTSIM_OK;
 }
 
+static softsim_status change_order(int64_t order, ss_mesh **inout_mesh, softsim_error *error)
+{
+    ss_mesh *mesh = *inout_mesh, *changed = NULL;
+    if (order == 0 || order == (mesh->middle != NULL ? 2 : 1)) {
+        return SOFTSIM_OK;
+    }
+    const softsim_status status =
+        (order == 2 ? ss_mesh_raise : ss_mesh_lower)(mesh, &changed, error);
+    if (status == SOFTSIM_OK) {
+        ss_mesh_destroy(inout_mesh);
+        *inout_mesh = changed;
+    }
+    return status;
+}
+
 /* Returns the exit status. */
 static int convert(const void *what, softsim_error *error)
 {
@@ -124,6 +143,7 @@ static int convert(const void *what, softsim_error *error)
     if (status == SOFTSIM_OK && c->is_mended) {
         status = mend(c->path[0], &mesh, error);
     }
+    status = status == SOFTSIM_OK ? change_order(c->order, &mesh, error) : status;
     if (status == SOFTSIM_OK && c->to_units >= 0) {
         static const double none[3] = {0.0, 0.0, 0.0};
         ss_mesh_transform(mesh, metres_per_unit(c->units) / metres_per_unit(c->to_units), none,

@@ -51,6 +51,11 @@ static void measure(const ss_model_class *class, const ss_mesh *mesh, const uint
         (void)snprintf(out->reason, sizeof out->reason, "it needs tetrahedra");
         return;
     }
+    if (!class->takes_second_order && mesh->middle != NULL) {
+        (void)snprintf(out->reason, sizeof out->reason,
+                       "it takes no mesh of second order: softsim-mesh convert --order 1");
+        return;
+    }
     for (int32_t i = 0; i < class->row_count; ++i) {
         param[i] = value_of(class, &class->row[i]);
         if (class->row[i].is_required && !param[i].is_given) {

@@ -119,6 +119,9 @@ static void print_measures(const findings *f)
         (void)printf("directions  %lld sides where u of one quad meets w of the other\n",
                      (long long)r->mixed_direction.count);
     }
+    if (m->middle != NULL) {
+        (void)printf("order       2 (a node on every side; the triangles are quarters of faces)\n");
+    }
     if (m->cut_face_count > 0) {
         (void)printf("cut_faces   %d of more than three corners, since not all are quads\n",
                      m->cut_face_count);
@@ -236,9 +239,10 @@ static void print_json_measures(const findings *f)
     const ss_mesh *m = f->mesh;
     const ss_mesh_report *r = &f->report;
     (void)printf("\"nodes\": %d, \"triangles\": %d, \"quads\": %d, \"tetrahedra\": %d, "
-                 "\"parts\": %d, \"is_closed\": %s, \"unit\": \"%s\"",
+                 "\"order\": %d, \"parts\": %d, \"is_closed\": %s, \"unit\": \"%s\"",
                  m->node_count, m->triangle_count, m->quad_count, m->tetrahedron_count,
-                 r->component_count, m->is_closed ? "true" : "false", f->is_metric ? "m" : "file");
+                 m->middle != NULL ? 2 : 1, r->component_count, m->is_closed ? "true" : "false",
+                 f->is_metric ? "m" : "file");
     print_corner("box_min", r->box_min);
     print_corner("box_max", r->box_max);
     print_number("area", r->area);

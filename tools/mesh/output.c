@@ -106,8 +106,9 @@ void print_written(const ss_mesh *mesh, const char *path, const char *unit)
     if (mesh->tetrahedron_count > 0 && formats[find_format(path)].has_tetrahedra) {
         ss_mesh_quality quality;
         ss_mesh_measure_quality(mesh, &quality);
-        (void)printf("%d tetrahedra of dihedral angles from %.1f to %.1f degrees%s%s\n",
-                     mesh->tetrahedron_count, quality.dihedral_min, quality.dihedral_max, in, unit);
+        (void)printf("%d tetrahedra %sof dihedral angles from %.1f to %.1f degrees%s%s\n",
+                     mesh->tetrahedron_count, mesh->middle != NULL ? "of second order " : "",
+                     quality.dihedral_min, quality.dihedral_max, in, unit);
     } else if (mesh->tetrahedron_count > 0) {
         (void)printf("of which the surface: %d triangles%s%s\n", mesh->triangle_count, in, unit);
     } else if (mesh->quad_count > 0) {

@@ -16,12 +16,6 @@
 /* Blocks of a run. */
 enum { DEAL = 32 };
 enum { CURVED = SS_FEM_SHAPES + 1 };
-/* Of the longest side: a middle that is nearer to the straight one is on it. */
-#define STRAIGHT 1e-9
-#define NEAR     0.58541019662496852
-#define FAR      0.13819660112501050
-
-static const int side[4][4] = {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}};
 
 static bool is_straight(const ss_mesh *mesh, const int32_t node[SS_QUADRATIC_NODES])
 {
@@ -29,7 +23,7 @@ static bool is_straight(const ss_mesh *mesh, const int32_t node[SS_QUADRATIC_NOD
     for (int k = 0; k < 4; ++k) {
         for (int j = k + 1; j < 4; ++j) {
             const double *a = mesh->position[node[k]], *b = mesh->position[node[j]];
-            const double *m = mesh->position[node[side[k][j]]];
+            const double *m = mesh->position[node[ss_tetrahedron_place(k, j)]];
             double d[3], bend[3];
             for (int i = 0; i < 3; ++i) {
                 d[i] = b[i] - a[i];
@@ -39,26 +33,15 @@ static bool is_straight(const ss_mesh *mesh, const int32_t node[SS_QUADRATIC_NOD
             off = fmax(off, ss_norm3(bend));
         }
     }
-    return off <= STRAIGHT * longest;
+    return off <= SS_QUADRATIC_STRAIGHT * longest;
 }
 
 bool ss_quadratic_points(const ss_mesh *mesh, const int32_t node[SS_QUADRATIC_NODES],
                          ss_quadratic_point out[SS_QUADRATIC_POINTS])
 {
     for (int q = 0; q < SS_QUADRATIC_POINTS; ++q) {
-        double c[4][3];
-        for (int k = 0; k < 4; ++k) {
-            for (int i = 0; i < 3; ++i) {
-                c[k][i] = 0.0;
-                for (int j = 0; j < 4; ++j) {
-                    const double l = j == q ? NEAR : FAR;
-                    const double weight = j == k ? 4.0 * l - 1.0 : 4.0 * l;
-                    c[k][i] += weight * mesh->position[node[side[k][j]]][i];
-                }
-            }
-        }
-        /* The map's columns c_s - c_0 are the edges of a tetrahedron with the gradients wanted. */
-        out[q].volume = 0.25 * ss_tetrahedron_gradients(c[0], c[1], c[2], c[3], out[q].gradient);
+        out[q].volume =
+            ss_tetrahedron_point((const double(*)[3])mesh->position, node, q, out[q].gradient);
     }
     return is_straight(mesh, node);
 }
@@ -66,14 +49,14 @@ bool ss_quadratic_points(const ss_mesh *mesh, const int32_t node[SS_QUADRATIC_NO
 void ss_quadratic_shape(const ss_quadratic_point *point, int q, double out[SS_QUADRATIC_NODES][3])
 {
     for (int k = 0; k < 4; ++k) {
-        const double lk = k == q ? NEAR : FAR;
+        const double lk = k == q ? SS_TETRAHEDRON_NEAR : SS_TETRAHEDRON_FAR;
         for (int i = 0; i < 3; ++i) {
             out[k][i] = (4.0 * lk - 1.0) * point->gradient[k][i];
         }
         for (int j = k + 1; j < 4; ++j) {
-            const double lj = j == q ? NEAR : FAR;
+            const double lj = j == q ? SS_TETRAHEDRON_NEAR : SS_TETRAHEDRON_FAR;
             for (int i = 0; i < 3; ++i) {
-                out[side[k][j]][i] =
+                out[ss_tetrahedron_place(k, j)][i] =
                     4.0 * (lj * point->gradient[k][i] + lk * point->gradient[j][i]);
             }
         }

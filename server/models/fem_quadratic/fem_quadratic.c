@@ -61,7 +61,9 @@ static const ss_param_row rows[ROW_COUNT] = {
                               "shortest step",
                               SS_FROM(0.0, 0.2), .fallback = 0.025),
     [CURVED] = SS_PARAM(CHOICE, "curved",
-                        "auto: sides of a smooth surface follow its normals; no: all are straight",
+                        "auto: sides go through the nodes that a mesh of second order has in their "
+                        "middle, else those of a smooth surface follow its normals; no: all are "
+                        "straight",
                         .range.max = 1.0, .choices = "auto|no"),
 };
 
@@ -219,12 +221,13 @@ static void explain(const ss_model *model, const ss_notes *out)
                  "%d of %s on %d nodes, of which %d are in the file, %s kernels, %.0f bytes each a "
                  "sweep where straight",
                  own->blocks.element_count, ss_tissue_name(own->kind), own->blocks.node_count,
-                 model->raised.corner_count, own->kernels->name, bytes);
+                 model->raised.given_count, own->kernels->name, bytes);
     if (model->raised.curved_side_count > 0) {
-        ss_note_used(out, "curved sides",
-                     "%d follow the surface's normals, %d more would bend an "
-                     "element too far",
-                     model->raised.curved_side_count, model->raised.straightened_side_count);
+        ss_note_used(out, "curved sides", "%d %s, %d more would bend an element too far",
+                     model->raised.curved_side_count,
+                     model->raised.is_second_order ? "go through the file's nodes"
+                                                   : "follow the surface's normals",
+                     model->raised.straightened_side_count);
     } else {
         ss_note_left_out(out, "curved sides", "%s", "none of the surface is smooth, or curved: no");
     }
@@ -270,4 +273,5 @@ static const ss_model_hints hints = {
 SS_MODEL_CLASS(ss_model_fem_quadratic, "fem-quadratic",
                "a volume of ten-node tetrahedra with split volume energy, explicit in time",
                SS_MODEL_PARTS(ss_model, &hints, rows, step_cost_us, build, destroy, step, explain),
-               SS_BODY_STATE(ss_body_model_info, SS_BODY_MOTION), .needs_volume = true);
+               SS_BODY_STATE(ss_body_model_info, SS_BODY_MOTION), .needs_volume = true,
+               .takes_second_order = true);

@@ -20,22 +20,26 @@
 
 /* ---- raise.c ---- */
 
-/* The scene's plan in terms of the raised mesh: its nodes are the given mesh's and then one for
- * each side of a tetrahedron; each triangle of its surface is one of the four into which the
- * middles of its sides cut a given one (the i-th into 4i .. 4i + 3, the one in the middle last);
- * tetrahedra are the given mesh's, by their corners. */
+/* Of the longest side, or of its own: a middle that is nearer to the straight one is on it. */
+#define SS_QUADRATIC_STRAIGHT 1e-9
+
+/* The scene's plan in terms of the raised mesh: its nodes are the given mesh's and then, where that
+ * is of first order, one for each side of a tetrahedron; each triangle of its surface is one of the
+ * four into which the middles of its sides cut a face (the i-th into 4i .. 4i + 3, the one in the
+ * middle last); tetrahedra are the given mesh's, by their corners. */
 typedef struct ss_quadratic_raised {
     ss_mesh mesh;
     ss_model_plan plan;
     int32_t (*node)[SS_QUADRATIC_NODES]; /* of each tetrahedron, in the order of kernels.h */
-    int32_t corner_count;                /* nodes of the given mesh */
+    int32_t given_count;                 /* nodes of the given mesh */
+    bool is_second_order;                /* that one is */
     int32_t curved_side_count, straightened_side_count;
 } ss_quadratic_raised;
 
-/* A side's node is held, loaded or prescribed where both ends are and the side lies on the
- * surface, or where a whole tetrahedron around it is; what is prescribed there is the smooth field
- * through the nodes around it. `is_curved`: sides of the surface follow its
- * normals. */
+/* A node that is added is held, loaded or prescribed where both ends of its side are and the side
+ * lies on the surface, or where a whole tetrahedron around it is; what is prescribed there is the
+ * smooth field through the nodes around it. `is_curved`: sides go through the middles of a mesh of
+ * second order; else those of the surface follow its normals. */
 softsim_status ss_quadratic_raise(const ss_model_plan *plan, bool is_curved, ss_arena *arena,
                                   ss_quadratic_raised *out, softsim_error *error);
 

@@ -2,7 +2,9 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/fem_quadratic/quadratic.h"
 /*
- * A mesh of four-node tetrahedra becomes one of ten nodes.
+ * A mesh of four-node tetrahedra becomes one of ten nodes. One of second order has them: its nodes
+ * are those of the file, where the file has them, and what a plan says of nodes it says of these
+ * too, so that nothing is added to it.
  *
  * Sides are numbered as the elements name them first, so that equal meshes give equal numbers and
  * neighbours stay near in memory. Everything that a plan says of nodes is said of the new ones too;
@@ -12,8 +14,8 @@
  * positions and tangents, the side projected on their tangent planes (the edge of a curved PN
  * triangle, Vlachos et al. 2001), at (a + b)/2 + (t_a - t_b)/8. A node's normal is the mean of its
  * triangles', weighted by their angles. A side stays straight where its two triangles, or a normal
- * and one of them, differ by more than CREASE: there the body has an edge. Sources that know the
- * true shape would be better; the mean of the surface's own facets is what is always there.
+ * and one of them, differ by more than CREASE: there the body has an edge. A mesh of second order
+ * knows the true shape better; the mean of the surface's own facets is what is always there.
  */
 #include <math.h>
 #include <string.h>
@@ -33,13 +35,15 @@ static const int ends[SS_QUADRATIC_SIDES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, 
 typedef struct sides {
     int32_t node_count, count;
     int32_t *first, *next, *low, *high;
+    int32_t *node; /* in the middle of each */
     uint8_t *is_surface;
     int32_t *triangle; /* two of each side: -1 none */
 } sides;
 
 static void sides_free(sides *s)
 {
-    SS_EACH(ss_memory_free, s->first, s->next, s->low, s->high, s->is_surface, s->triangle);
+    SS_EACH(ss_memory_free, s->first, s->next, s->low, s->high, s->node, s->is_surface,
+            s->triangle);
 }
 
 static bool sides_init(sides *s, const ss_mesh *mesh)
@@ -50,9 +54,11 @@ static bool sides_init(sides *s, const ss_mesh *mesh)
                  .next = ss_memory_get(most, sizeof(int32_t)),
                  .low = ss_memory_get(most, sizeof(int32_t)),
                  .high = ss_memory_get(most, sizeof(int32_t)),
+                 .node = ss_memory_get(most, sizeof(int32_t)),
                  .is_surface = ss_memory_get(most, 1),
                  .triangle = ss_memory_get(2 * most, sizeof(int32_t))};
-    if (!s->first || !s->next || !s->low || !s->high || !s->is_surface || !s->triangle) {
+    if (!s->first || !s->next || !s->low || !s->high || !s->node || !s->is_surface ||
+        !s->triangle) {
         return false;
     }
     memset(s->first, 0xff, (size_t)mesh->node_count * sizeof *s->first);
@@ -76,6 +82,7 @@ static int32_t add(sides *s, int32_t a, int32_t b)
     int32_t k = find(s, a, b);
     if (k < 0) {
         k = s->count++;
+        s->node[k] = s->node_count + k;
         s->low[k] = a < b ? a : b;
         s->high[k] = a < b ? b : a;
         s->next[k] = s->first[s->low[k]];
@@ -99,7 +106,7 @@ static bool split_surface(const ss_mesh *mesh, sides *s, int32_t (*out)[3])
             }
             s->is_surface[e] = 1;
             s->triangle[2 * e + (s->triangle[2 * e] >= 0)] = t;
-            m[k] = s->node_count + e;
+            m[k] = s->node[e];
         }
         int32_t(*four)[3] = out + 4 * (ptrdiff_t)t;
         for (int k = 0; k < 3; ++k) {
@@ -173,6 +180,13 @@ static bool curve_side(const ss_mesh *mesh, const sides *s, const double (*norma
     return is_smooth;
 }
 
+/* The straight middle of side k. */
+static void straight(const sides *s, const ss_mesh *mesh, int32_t k, double out[3])
+{
+    ss_add3(out, mesh->position[s->low[k]], mesh->position[s->high[k]]);
+    ss_scale3(out, out, 0.5);
+}
+
 /* Sides of elements that would be bent too far become straight, all sides of such an element. */
 static void straighten(const sides *s, ss_quadratic_raised *raised, uint8_t *is_curved)
 {
@@ -184,9 +198,11 @@ static void straighten(const sides *s, ss_quadratic_raised *raised, uint8_t *is_
             ss_quadratic_point point[SS_QUADRATIC_POINTS];
             double least = (double)INFINITY, mean = 0.0;
             const int32_t *node = raised->node[t];
+            int32_t side[SS_QUADRATIC_SIDES];
             bool is_bent = false;
-            for (int k = 4; k < SS_QUADRATIC_NODES; ++k) {
-                is_bent = is_bent || is_curved[node[k] - s->node_count];
+            for (int k = 0; k < SS_QUADRATIC_SIDES; ++k) {
+                side[k] = find(s, node[ends[k][0]], node[ends[k][1]]);
+                is_bent = is_bent || is_curved[side[k]];
             }
             if (!is_bent) {
                 continue;
@@ -199,21 +215,32 @@ static void straighten(const sides *s, ss_quadratic_raised *raised, uint8_t *is_
             if (least >= LEAST_JACOBIAN * mean) {
                 continue;
             }
-            for (int k = 4; k < SS_QUADRATIC_NODES; ++k) {
-                const int32_t e = node[k] - s->node_count;
-                if (is_curved[e]) {
-                    is_curved[e] = 0;
+            for (int k = 0; k < SS_QUADRATIC_SIDES; ++k) {
+                if (is_curved[side[k]]) {
+                    is_curved[side[k]] = 0;
                     is_again = true;
                     --raised->curved_side_count;
                     ++raised->straightened_side_count;
-                    for (int i = 0; i < 3; ++i) {
-                        mesh->position[node[k]][i] =
-                            0.5 * (mesh->position[s->low[e]][i] + mesh->position[s->high[e]][i]);
-                    }
+                    straight(s, mesh, side[k], mesh->position[s->node[side[k]]]);
                 }
             }
         }
     }
+}
+
+/* A side of a mesh of second order keeps the file's node where that is off the straight middle by
+ * more than rounding. */
+static bool keep_side(const ss_mesh *given, const sides *s, int32_t k, double position[3])
+{
+    double d[3], off[3];
+    straight(s, given, k, position);
+    ss_sub3(d, given->position[s->high[k]], given->position[s->low[k]]);
+    ss_sub3(off, given->position[s->node[k]], position);
+    const bool is_off = ss_norm3(off) > SS_QUADRATIC_STRAIGHT * ss_norm3(d);
+    if (is_off) {
+        ss_copy3(position, given->position[s->node[k]]);
+    }
+    return is_off;
 }
 
 static bool curve(const ss_mesh *given, const sides *s, ss_quadratic_raised *raised)
@@ -222,10 +249,15 @@ static bool curve(const ss_mesh *given, const sides *s, ss_quadratic_raised *rai
     uint8_t *is_curved = ss_memory_get((size_t)s->count, 1);
     const bool is_good = normal && is_curved;
     if (is_good) {
-        node_normals(given, normal);
+        if (!given->middle) {
+            node_normals(given, normal);
+        }
         for (int32_t k = 0; k < s->count; ++k) {
-            is_curved[k] = s->is_surface[k] && curve_side(given, s, (const double(*)[3])normal, k,
-                                                          raised->mesh.position[s->node_count + k]);
+            double *x = raised->mesh.position[s->node[k]];
+            is_curved[k] =
+                given->middle
+                    ? keep_side(given, s, k, x)
+                    : s->is_surface[k] && curve_side(given, s, (const double(*)[3])normal, k, x);
             raised->curved_side_count += is_curved[k];
         }
         straighten(s, raised, is_curved);
@@ -484,6 +516,11 @@ static bool extend_prescribed(const sides *s, const ss_mesh *given,
 static bool extend_plan(const sides *s, const ss_model_plan *plan, ss_arena *arena,
                         ss_quadratic_raised *raised)
 {
+    raised->plan = *plan;
+    raised->plan.mesh = &raised->mesh;
+    if (plan->mesh->middle) {
+        return true;
+    }
     uint8_t *fixed = ss_arena_get(arena, (size_t)raised->mesh.node_count, 1);
     ss_load *load = ss_arena_get(arena, (size_t)plan->load_count, sizeof *load);
     ss_prescribed *prescribed =
@@ -503,8 +540,6 @@ static bool extend_plan(const sides *s, const ss_model_plan *plan, ss_arena *are
         is_good =
             extend_prescribed(s, plan->mesh, raised, &plan->prescribed[k], arena, &prescribed[k]);
     }
-    raised->plan = *plan;
-    raised->plan.mesh = &raised->mesh;
     raised->plan.fixed = fixed;
     raised->plan.load = load;
     raised->plan.prescribed = prescribed;
@@ -525,21 +560,25 @@ static bool make_mesh(const ss_mesh *given, sides *s, ss_arena *arena, ss_quadra
         const int32_t *c = given->tetrahedron[t];
         memcpy(out->node[t], c, 4 * sizeof *c);
         for (int k = 0; k < SS_QUADRATIC_SIDES; ++k) {
-            out->node[t][4 + k] = given->node_count + add(s, c[ends[k][0]], c[ends[k][1]]);
+            const int32_t e = add(s, c[ends[k][0]], c[ends[k][1]]);
+            s->node[e] = given->middle ? given->middle[t][k] : s->node[e];
+            out->node[t][4 + k] = s->node[e];
         }
     }
-    const int32_t count = given->node_count + s->count;
-    out->corner_count = given->node_count;
-    out->mesh = (ss_mesh){
-        .node_count = count,
-        .triangle_count = 4 * given->triangle_count,
-        .tetrahedron_count = given->tetrahedron_count,
-        .tetrahedron = given->tetrahedron,
-        .file_element = given->file_element,
-        .is_closed = given->is_closed,
-        .position = ss_arena_get(arena, (size_t)count, sizeof(double[3])),
-        .triangle = ss_arena_get(arena, 4 * (size_t)given->triangle_count, sizeof(int32_t[3])),
-        .file_node = ss_arena_get(arena, (size_t)count, sizeof(int32_t))};
+    const int32_t count = given->node_count + (given->middle ? 0 : s->count);
+    const int32_t parts = given->middle ? 1 : 4;
+    out->given_count = given->node_count;
+    out->is_second_order = given->middle != NULL;
+    out->mesh = (ss_mesh){.node_count = count,
+                          .triangle_count = parts * given->triangle_count,
+                          .tetrahedron_count = given->tetrahedron_count,
+                          .tetrahedron = given->tetrahedron,
+                          .file_element = given->file_element,
+                          .is_closed = given->is_closed,
+                          .position = ss_arena_get(arena, (size_t)count, sizeof(double[3])),
+                          .triangle = ss_arena_get(arena, (size_t)(parts * given->triangle_count),
+                                                   sizeof(int32_t[3])),
+                          .file_node = ss_arena_get(arena, (size_t)count, sizeof(int32_t))};
     if (!out->mesh.position || !out->mesh.triangle || !out->mesh.file_node) {
         return false;
     }
@@ -547,13 +586,17 @@ static bool make_mesh(const ss_mesh *given, sides *s, ss_arena *arena, ss_quadra
         ss_copy3(out->mesh.position[i], given->position[i]);
         out->mesh.file_node[i] = ss_mesh_file_node(given, i);
     }
-    for (int32_t k = 0; k < s->count; ++k) { /* messages name an end */
-        const int32_t node = given->node_count + k;
-        out->mesh.file_node[node] = ss_mesh_file_node(given, s->low[k]);
-        ss_add3(out->mesh.position[node], given->position[s->low[k]], given->position[s->high[k]]);
-        ss_scale3(out->mesh.position[node], out->mesh.position[node], 0.5);
+    for (int32_t k = 0; k < s->count; ++k) {
+        straight(s, given, k, out->mesh.position[s->node[k]]);
+        if (!given->middle) { /* messages name an end */
+            out->mesh.file_node[s->node[k]] = ss_mesh_file_node(given, s->low[k]);
+        }
     }
-    *out_is_own = split_surface(given, s, out->mesh.triangle);
+    *out_is_own = given->middle || split_surface(given, s, out->mesh.triangle);
+    if (given->middle) {
+        memcpy(out->mesh.triangle, given->triangle,
+               (size_t)given->triangle_count * sizeof *given->triangle);
+    }
     return true;
 }
 

@@ -21,7 +21,8 @@ typedef struct open_body {
 
 /* Takes `mesh`; `bend` (m): every side's node moves by a wave of that height along x, a quadratic
  * field in the body whose offsets are parallel. */
-static inline void open_init(open_body *b, ss_mesh *mesh, int kind, double ratio, double bend)
+static inline void open_init_with(open_body *b, ss_mesh *mesh, int kind, double ratio, double bend,
+                                  bool is_curved)
 {
     memset(b, 0, sizeof *b);
     setup_init(&b->s, "fem-quadratic", mesh);
@@ -35,13 +36,18 @@ static inline void open_init(open_body *b, ss_mesh *mesh, int kind, double ratio
     for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
         b->material.lambda_own[e] = fmin(b->material.lambda[e], b->material.mu[e] / 3.0);
     }
-    assert_int_equal(ss_quadratic_raise(&b->s.plan, false, &b->arena, &b->raised, NULL),
+    assert_int_equal(ss_quadratic_raise(&b->s.plan, is_curved, &b->arena, &b->raised, NULL),
                      SOFTSIM_OK);
-    for (int32_t i = b->raised.corner_count; i < b->raised.mesh.node_count; ++i) {
+    for (int32_t i = b->raised.given_count; i < b->raised.mesh.node_count; ++i) {
         b->raised.mesh.position[i][0] += bend * random_unit();
     }
     assert_int_equal(ss_quadratic_create(&b->raised, &b->material, 0.0, &b->arena, &b->own),
                      SOFTSIM_OK);
+}
+
+static inline void open_init(open_body *b, ss_mesh *mesh, int kind, double ratio, double bend)
+{
+    open_init_with(b, mesh, kind, ratio, bend, false);
 }
 
 static inline void open_fini(open_body *b)
