@@ -14,7 +14,7 @@ const [width, height] = numbers(given.size ?? '1000x640');
 const browser = await launch(pageFolder);
 const faults = [];
 const page = await open(browser, address, {
-  viewport: { width, height }, hasTouch: 'phone' in given, deviceScaleFactor: 'phone' in given ? 2 : 1,
+  viewport: { width, height }, hasTouch: 'phone' in given, deviceScaleFactor: 'phone' in given ? 1.5 : 1, isMobile: 'phone' in given,
   colorScheme: 'dark' in given ? 'dark' : 'light',
 }, faults);
 const pause = (ms) => page.waitForTimeout(ms);

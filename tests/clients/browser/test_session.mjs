@@ -13,11 +13,15 @@ const UPPER_FACE = [0, 0.006, 0.022]; // of the kidney
 const running = new Set();
 process.on('exit', () => running.forEach((child) => child.kill('SIGKILL')));
 
-// Starts a program; resolves when it says `said`, to it and the match.
-function start(said, program, ...args) {
+function run(program, ...args) {
   const child = spawn(`${bin}/${program}`, args);
   running.add(child);
   child.gone = new Promise((done) => { child.on('exit', () => { running.delete(child); done(); }); });
+  return child;
+}
+// Starts a program; resolves when it says `said`, to it and the match.
+function start(said, program, ...args) {
+  const child = run(program, ...args);
   return new Promise((done, fail) => {
     let text = '';
     const take = (data) => {
@@ -75,6 +79,12 @@ await page.screenshot({ path: `${pictures}/server-gone.png` });
 assert.ok(await page.evaluate(() => Math.max(...softsim.body.count) > 20), 'the last that was seen');
 await page.mouse.up();
 
+// Started again with the same mesh: the old dent is not the new server's.
+server = await serve(kidney);
+await kind(page, 'live');
+await rest(page);
+await kill(server);
+
 // Another body of as many nodes, twice as large, is shown whole.
 const distance = () => page.evaluate(() => softsim.view.camera.position.distanceTo(softsim.view.orbit.target));
 const before = await distance();
@@ -108,6 +118,28 @@ await kill(server);
 server = await serve(kidney);
 await shows('none', false);
 await other.close();
+
+// A pause is told and undone whatever else the verdict's reason says.
+await page.bringToFront();
+await page.locator('[id="number-publish.max_bytes_per_s"]').fill('10000');
+await page.locator('[id="number-publish.max_bytes_per_s"]').press('Enter');
+await until(page, () => document.getElementById('reason').textContent.includes('max_bytes_per_s'));
+await page.click('#pause');
+await until(page, () => document.getElementById('pause').textContent === 'Resume' && !document.getElementById('paused').hidden);
+assert.match(await text(page, 'reason'), /max_bytes_per_s/);
+await page.screenshot({ path: `${pictures}/paused.png` });
+await page.click('#pause');
+await until(page, () => document.getElementById('pause').textContent === 'Pause' && document.getElementById('paused').hidden);
+
+// A tool that another program moves is not to be had, and that is told.
+await kill(server);
+writeFileSync(`${work}/one.yaml`, readFileSync(kidney, 'utf8').replace('mesh: kidney.obj', `mesh: ${scenes}/kidney.obj`).replace(/.*probe: 1.*\n/, ''));
+server = await serve(`${work}/one.yaml`);
+await until(page, () => document.body.dataset.session === 'live' && document.getElementById('who').hidden && softsim.tools.of.size === 1);
+const bridge = run('softsim-bridge', '--device', 'sim', '--script', 'slide', '--offset-m', '0,0.006,0.0273');
+await until(page, () => document.getElementById('who').textContent.startsWith('Another program moves the tool'));
+await kill(bridge);
+await until(page, () => document.getElementById('who').hidden);
 
 // Without softsim-web the page says that, not that the server is gone.
 await kill(web);

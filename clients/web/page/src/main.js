@@ -84,7 +84,7 @@ session.onChange = (kind) => {
   if (kind !== 'lost' && kind !== 'silent') return;
   hand.cancel();
   readings.forget();
-  panel.forget();
+  panel.forget(kind === 'lost' ? 'not connected' : 'no server');
 };
 
 // ---- what is shown ----

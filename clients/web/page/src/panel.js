@@ -9,7 +9,7 @@ function factsOf(status) {
   return [
     ['Simulation', `${Math.round(status.simulation_rate_hz)} steps a second`],
     ['Step', `${Math.round(status.step_us[0])} µs, at worst ${Math.round(status.step_us[2])}`],
-    ['Nodes', `${status.active_nodes} of ${status.nodes} active`],
+    ['Nodes', `${status.nodes}, active ${status.active_nodes}`],
     ['Haptic loop', `late by ${Math.round(status.lateness_us[0])} µs, p99 ${Math.round(status.lateness_us[1])}`],
     ['Forces', periods ? `${periods - missed} sent, ${missed} missed` : 'no probe yet'],
     ['Energy stored', `${(1e3 * status.elastic_j).toPrecision(3)} mJ`],
@@ -22,12 +22,13 @@ export class Panel {
     $('pause').onclick = () => link.command(this.isPaused ? 'resume' : 'pause');
     $('reset').onclick = () => link.command('reset');
     $('record').onclick = () => link.send(`record ${this.isRecording ? 0 : 1}`);
-    this.forget();
+    this.forget('no server');
   }
 
-  forget() {
+  // What a server said goes with it.
+  forget(why) {
     this.showPaused(false);
-    this.showVerdict('none', 'no server', '');
+    this.showVerdict('none', why, '');
     $('facts').replaceChildren();
     $('reply').textContent = '';
   }
@@ -52,7 +53,7 @@ export class Panel {
   takeStatus({ status, paused }) {
     const verdict = VERDICTS[status.verdict] ?? 'fault';
     this.showVerdict(verdict, verdict, status.reason);
-    this.showPaused(paused ?? status.reason.startsWith('paused'));
+    this.showPaused(paused);
     const facts = factsOf(status), boxes = children($('facts'), facts.flatMap(() => ['dt', 'dd']));
     facts.flat().forEach((text, i) => { boxes[i].textContent = text; });
   }

@@ -43,6 +43,7 @@ export class Session {
     document.body.dataset.session = kind;
     $('banner').hidden = isLive;
     for (const part of ['pause', 'reset']) $(part).disabled = !hasServer;
+    $('record').disabled = !this.isOpen;
     $('settings').inert = !hasServer;
     if (isLive) return;
     const [head, text, todo] = SAID[kind]({ scene: this.scene, isMeshOff: this.isMeshOff, address: location.href });

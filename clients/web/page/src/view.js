@@ -26,18 +26,19 @@ export class View {
     this.fit();
   }
 
-  // From the eye's own place, so that every side is lit as it is turned to.
+  // From the eye's own place, so that every side is lit as it is turned to; without a hue, which would
+  // be taken for a value's.
   light() {
-    const sun = new THREE.DirectionalLight(0xffffff, 1.9), fill = new THREE.DirectionalLight(0xcfe4ff, 1.1);
+    const sun = new THREE.DirectionalLight(0xffffff, 1.9), fill = new THREE.DirectionalLight(0xffffff, 0.9);
     sun.position.set(-0.6, 1, 0.6);
     fill.position.set(1, -0.2, 0.8);
     this.camera.add(sun, fill);
-    this.scene.add(this.camera, new THREE.HemisphereLight(0xffffff, 0x98a2ae, 1.9));
+    this.scene.add(this.camera, new THREE.HemisphereLight(0xffffff, 0xa8a8a8, 1.9));
   }
 
   // How far the eye is from a body of radius 1 that fills the window.
   distance() {
-    return 1.15 / Math.sin((Math.PI / 360) * this.camera.fov) / Math.min(1, this.camera.aspect);
+    return 1.2 / Math.sin((Math.PI / 360) * this.camera.fov) / Math.min(1, this.camera.aspect);
   }
 
   frame({ center, radius }) {
