@@ -205,7 +205,6 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double held_
     const double still = 1.0 - local->viscosity_fraction;
     const double reaction = held_back > still ? HELD_BACK_OFFSET_TIME : HELD_BACK_RECOVERY_TIME;
     local->viscosity_fraction = 1.0 - held_back - (still - held_back) * exp(-period / reaction);
-    const double factor = exp(-period / usual);
     const double kept = exp(-period / fmax(usual, local->min_offset_time));
     const double drift = 1.0 - exp(-period / DRIFT_TIME);
     const double share = held_back < 1.0 ? mean_share(local, against) : 1.0;
@@ -230,7 +229,9 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double held_
         ss_sub3(grasp->drift, grasp->drift, lost);
         ss_sub3(grasp->last_force, grasp->last_force, lost);
     }
-    decay3(local->residual, factor, NEGLIGIBLE);
+    /* At the limit the force turns as slowly as its contacts' sizes change, while one is there. */
+    const bool is_touching = ss_local_contact_active_count(local) > 0;
+    decay3(local->residual, is_touching ? kept : exp(-period / usual), NEGLIGIBLE);
     decay3(local->residual_torque, exp(-period / fmax(TORQUE_TIME, 0.25 * local->result_period)),
            NEGLIGIBLE * PATCH_REACH);
     fade_residual_when_free(local);

@@ -490,6 +490,38 @@ TEST(a_hand_far_beyond_the_limit_presses_with_the_limit)
     }
 }
 
+/* Tissue pressed far beyond the limit, whose contact one result turns by 20 degrees, as where a box
+ * gets a third corner in: the force turns there by no more than a degree a tick, at its size. */
+TEST(at_the_limit_a_contact_that_turns_turns_the_force_slowly)
+{
+    ss_haptic_config config = default_config();
+    config.max_force = 0.5;
+    config.damping = 2.0;
+    config.stiffness = 800.0;
+    rig r;
+    rig_start(&r, &config);
+    double most = 0.0, last[3] = {0.0, 0.0, 1.0};
+    for (int n = 0; n < 1000; ++n) {
+        if (n > 0) {
+            rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
+            if (n > 700) {
+                ss_set3(r.result.set.contact[0].normal, sin(0.35), 0.0, cos(0.35));
+            }
+        }
+        (void)rig_tick(&r, 1e-3 - 7e-3 * fmin(1.0, n / 400.0));
+        if (n > 600) {
+            double turn[3];
+            ss_cross3(turn, last, r.out.force.force);
+            most = fmax(most, asin(ss_norm3(turn) / (ss_norm3(last) * 0.5)) * 57.29577951);
+            assert_near(ss_norm3(r.out.force.force), 0.5, 5e-5);
+        }
+        ss_copy3(last, r.out.force.force);
+    }
+    print_message("turns by %.3f degrees a tick\n", most);
+    assert_true(most > 0.05 && most <= 1.0);
+    rig_end(&r);
+}
+
 /* A membrane that answers a move at once with 45 kN/m, and with 300 N/m in the end, as it says: a
  * hand far beyond the limit does not have it swing. */
 TEST(a_membrane_at_the_limit_does_not_swing)
