@@ -53,7 +53,7 @@ typedef struct grip {
 /* The first of them by default. */
 static const grip grips[] = {
     {{.name = "kidney", .scene = "kidney.yaml"}, SIDE, CONE, 0.007, 0.003, FAST},
-    {{.name = "kidney", .scene = "kidney.yaml"}, LOWER, CONE, 0.007, 0.002, SLOW},
+    {{.name = "kidney", .scene = "kidney.yaml"}, SIDE, CONE, 0.007, 0.003, SLOW},
     {{.name = "kidney", .scene = "kidney.yaml"}, SIDE, BOX, 0.004, 0.003, SLOW},
     {BLOCK("fem"), TOP, CONE, 0.007, 0.003, FAST},
     {BLOCK("xpbd"), TOP, CAPSULE, 0.008, 0.003, SLOW},

@@ -364,11 +364,11 @@ void ss_chain_contacts(ss_model *model, int32_t probe, double near, ss_contact_s
     if (!tool) {
         return;
     }
-    double normal[3];
+    double along[3];
     refit(model);
-    if (ss_tool_fill_contacts(tool, model->u, near, out, normal)) {
-        const double viscosity = ss_chain_feel(model, probe, normal);
-        ss_contact_set_share(out, normal, tool->felt, viscosity);
+    if (ss_tool_fill_contacts(tool, model->u, near, out, along)) {
+        const double viscosity = ss_chain_feel(model, probe, along);
+        ss_contact_set_share(out, tool->felt, viscosity);
     }
     tool->was_touching = ss_tool_is_touching(tool);
 }

@@ -173,11 +173,11 @@ void ss_cnn_contacts(ss_model *model, int32_t probe, double near, ss_contact_set
     if (!tool || !model->is_ready) {
         return;
     }
-    double normal[3];
+    double along[3];
     ss_surface_refit(model->tools.surface, model->u);
-    if (ss_tool_fill_contacts(tool, model->u, near, out, normal)) {
-        const double viscosity = feel(model, &model->tool[probe], normal, &out->step_stiffness);
-        ss_contact_set_share(out, normal, tool->felt, viscosity);
+    if (ss_tool_fill_contacts(tool, model->u, near, out, along)) {
+        const double viscosity = feel(model, &model->tool[probe], along, &out->step_stiffness);
+        ss_contact_set_share(out, tool->felt, viscosity);
         if (!out->is_held) {
             set_other_force(tool->pose.position, out);
         }

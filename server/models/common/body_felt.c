@@ -311,10 +311,10 @@ void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set 
     if (!tool || !body->is_ready) {
         return;
     }
-    double normal[3];
-    if (ss_tool_fill_contacts(tool, ss_body_refit(body), near, out, normal)) {
-        feel(body, probe, normal);
-        ss_contact_set_share(out, normal, tool->felt, body->felt[probe].viscosity);
+    double along[3];
+    if (ss_tool_fill_contacts(tool, ss_body_refit(body), near, out, along)) {
+        feel(body, probe, along);
+        ss_contact_set_share(out, tool->felt, body->felt[probe].viscosity);
         for (int32_t k = 0; k < out->count; ++k) {
             ss_contact *contact = &out->contact[k];
             contact->swift = body->felt[probe].swift * contact->stiffness / tool->felt;

@@ -123,22 +123,22 @@ void ss_tool_rotation(const ss_tool_pose *from, const ss_tool_pose *to, double o
     ss_scale3(out_rotation, x, sine > 0.0 ? angle / sine : 0.0);
 }
 
-void ss_contact_set_direction(const ss_contact_set *set, const double force[3], double out[3])
+void ss_contact_set_direction(const ss_contact_set *set, double out[3])
 {
     ss_copy3(out, set->contact[0].normal);
     if (set->count > 1) {
         double along[3];
-        ss_copy3(along, force);
+        ss_copy3(along, set->force);
         if (ss_normalize3(along) > 0.0 && ss_dot3(along, out) > 0.0) {
             ss_copy3(out, along);
         }
     }
 }
 
-void ss_contact_set_share(ss_contact_set *set, const double normal[3], double stiffness,
-                          double viscosity)
+void ss_contact_set_share(ss_contact_set *set, double stiffness, double viscosity)
 {
-    double along = 0.0, sum = 0.0;
+    double along = 0.0, sum = 0.0, normal[3];
+    ss_contact_set_direction(set, normal);
     for (int32_t k = 0; k < set->count; ++k) {
         along += set->contact[k].force * ss_dot3(set->contact[k].normal, normal);
         sum += set->contact[k].force;

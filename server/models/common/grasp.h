@@ -52,10 +52,9 @@ uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed);
 /* Rotation vector of the short way from `from` to `to`. */
 void ss_tool_rotation(const ss_tool_pose *from, const ss_tool_pose *to, double out_rotation[3]);
 
-/* The direction in which the tissue pushes the tool with `force`: the first contact's normal where
- * there is only one. `set` has a contact. */
-void ss_contact_set_direction(const ss_contact_set *set, const double force[3], double out[3]);
-/* The contacts' forces become the whole reaction (set->force) along `normal` (forces that are not
- * the contacts' own included), and the tool's stiffness and viscosity are shared by force. */
-void ss_contact_set_share(ss_contact_set *set, const double normal[3], double stiffness,
-                          double viscosity);
+/* The direction in which the tissue pushes the tool with set->force: the first contact's normal
+ * where there is only one. `set` has a contact. */
+void ss_contact_set_direction(const ss_contact_set *set, double out[3]);
+/* The contacts' forces become the whole reaction along that direction (forces that are not the
+ * contacts' own included), and the tool's stiffness and viscosity are shared by force. */
+void ss_contact_set_share(ss_contact_set *set, double stiffness, double viscosity);

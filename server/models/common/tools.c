@@ -61,6 +61,7 @@ void ss_tools_reset(ss_tools *tools)
         tool->compliance = tool->rest_compliance;
         ss_set3(tool->force, 0.0, 0.0, 0.0);
         ss_set3(tool->torque, 0.0, 0.0, 0.0);
+        ss_set3(tool->along, 0.0, 0.0, 0.0);
     }
 }
 
@@ -334,8 +335,22 @@ static double touch_stiffness(const ss_tool *tool, const double normal[3])
     return 1.0 / (tool->compliance + 1.0 / (is_round ? 2.0 * rise * own : working_stiffness(tool)));
 }
 
-bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
-                           double out_normal[3])
+/* Contacts come and go under what a grasp holds, and turn: along their normals the estimate of its
+ * stiffness, kept from step to step, began anew each time, two to three times too high, and the
+ * coupling after it. The force that draws it turns as slowly as the tool goes. */
+static void set_along(ss_tool *tool, const ss_contact_set *set)
+{
+    double force[3];
+    ss_copy3(force, set->force);
+    if (set->is_held && ss_normalize3(force) > 0.0) {
+        ss_scale3(tool->along, force, ss_dot3(force, tool->along) < 0.0 ? -1.0 : 1.0);
+    } else {
+        ss_contact_set_direction(set, tool->along);
+    }
+}
+
+bool ss_tool_fill_contacts(ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
+                           double out_along[3])
 {
     ss_contact_query_contacts(tool->query, u, &tool->pose, near, out);
     out->is_held = tool->grasp.count > 0;
@@ -345,7 +360,8 @@ bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, s
         set_mean(tool, out);
     }
     if (out->count > 0 && ss_tool_is_touching(tool)) {
-        ss_contact_set_direction(out, out->force, out_normal);
+        set_along(tool, out);
+        ss_copy3(out_along, tool->along);
         return true;
     }
     for (int32_t k = 0; k < out->count; ++k) {

@@ -34,7 +34,8 @@ typedef struct ss_tool {
     ss_grasp grasp;
     double force[3], torque[3]; /* on the tool */
     double penalty;             /* J */
-    double felt;                /* N/m, last in contact */
+    double felt;                /* N/m, last in contact, */
+    double along[3];            /* along this, unit */
     double compliance;          /* m/N, of the body alone: then, or at rest */
     double impulse[3];          /* N s, of `force` over the end of the step, */
     double span;                /* s: and how long that was */
@@ -123,8 +124,8 @@ uint64_t ss_tool_hash_felt(const ss_tool *tool, uint64_t hash);
 
 /* Tool `probe` with an empty set, or NULL where there is none present. */
 ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out);
-/* Fills the set at displacements u; true where it touches: its stiffness is to be shared along
- * out_normal (ss_contact_set_share). Else it is that of the touch to come: the body's as felt last,
+/* Fills the set at displacements u; true where it touches: its stiffness along out_along is to
+ * be shared (ss_contact_set_share). Else it is that of the touch to come: the body's as felt last,
  * or at rest, and the contact's as deep as that goes. */
-bool ss_tool_fill_contacts(const ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
-                           double out_normal[3]);
+bool ss_tool_fill_contacts(ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
+                           double out_along[3]);
