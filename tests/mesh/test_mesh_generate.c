@@ -6,6 +6,7 @@
 
 #include "common/effort.h"
 #include "common/tool_fixture.h"
+#include "mesh/tetrahedron.h"
 #include "rt/vec.h"
 
 static ss_mesh *generate(const char *arguments, const char *name, double unit)
@@ -115,6 +116,84 @@ TEST(a_liver_of_tetrahedra_is_as_large_as_the_published_one)
     assert_near(m->tetrahedron_count, 20255.0 / part, 2000.0 / part);
     const ss_mesh_group *fixed = find_group(m, "fixed");
     assert_in_range(fixed->node_count, 100 / part, 1000 / part);
+    ss_mesh_destroy(&m);
+}
+
+/* By the four Gauss points of each element, exact for straight ones. */
+static double volume_of(const ss_mesh *m)
+{
+    double sum = 0.0;
+    for (int32_t e = 0; e < m->tetrahedron_count; ++e) {
+        int32_t node[SS_TETRAHEDRON_NODES];
+        double unused[4][3];
+        memcpy(node, m->tetrahedron[e], sizeof *m->tetrahedron);
+        if (m->middle == NULL) {
+            sum += ss_tetrahedron_gradients(m->position[node[0]], m->position[node[1]],
+                                            m->position[node[2]], m->position[node[3]], unused);
+            continue;
+        }
+        memcpy(node + 4, m->middle[e], sizeof *m->middle);
+        for (int q = 0; q < SS_TETRAHEDRON_POINTS; ++q) {
+            sum += ss_tetrahedron_point((const double(*)[3])m->position, node, q, unused);
+        }
+    }
+    return sum;
+}
+
+TEST(of_second_order_they_have_the_true_shape)
+{
+    const struct {
+        const char *arguments;
+        double volume;
+    } cases[] = {
+        {"ellipsoid --points 300", 4.0 / 3.0 * SS_PI * 0.05 * 0.03 * 0.03},
+        {"cylinder --points 400 --radius-m 0.05 --length-m 0.2 --units mm",
+         SS_PI * 0.05 * 0.05 * 0.2},
+        {"ventricle --points 500",
+         cut_volume(0.01, 0.01, 0.02, 0.005) - cut_volume(0.007, 0.007, 0.017, 0.005)},
+        {"ellipsoids --points 500",
+         4.0 / 3.0 * SS_PI * (0.05 * 0.04 * 0.04 - 0.03 * 0.0225 * 0.0225)},
+        {"block --points 100", 1e-3},
+    };
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        char arguments[256];
+        (void)snprintf(arguments, sizeof arguments, "%s --tetrahedra", cases[i].arguments);
+        ss_mesh *first = generate(arguments, "first.vtk", 1e-3);
+        (void)snprintf(arguments, sizeof arguments, "%s --tetrahedra --order 2",
+                       cases[i].arguments);
+        ss_mesh *second = generate(arguments, "second.vtk", 1e-3);
+        softsim_error error = {0};
+        if (ss_mesh_accept(second, "generated", &error) != SOFTSIM_OK) {
+            fail_msg("%s", error.text);
+        }
+        assert_non_null(second->middle);
+        assert_int_equal(second->tetrahedron_count, first->tetrahedron_count);
+        assert_memory_equal(second->position, first->position,
+                            (size_t)first->node_count * sizeof *first->position);
+        const double off = fabs(volume_of(first) / cases[i].volume - 1.0);
+        const double left = fabs(volume_of(second) / cases[i].volume - 1.0);
+        print_message("%s: volume off by %.3g, of second order %.3g\n", cases[i].arguments, off,
+                      left);
+        assert_true(left < 0.1 * off + 1e-9);
+        ss_mesh_destroy(&first);
+        ss_mesh_destroy(&second);
+    }
+}
+
+TEST(middles_of_an_ellipsoids_surface_lie_on_it)
+{
+    ss_mesh *m = generate("ellipsoid --points 300 --tetrahedra --order 2", "e.msh", 1e-3);
+    static const double half[3] = {0.05, 0.03, 0.03};
+    for (int32_t t = 3; t < m->triangle_count; t += 4) { /* quarters between middles */
+        for (int k = 0; k < 3; ++k) {
+            const double *x = m->position[m->triangle[t][k]];
+            double sum = 0.0;
+            for (int i = 0; i < 3; ++i) {
+                sum += x[i] * x[i] / (half[i] * half[i]);
+            }
+            assert_near(sum, 1.0, 1e-12);
+        }
+    }
     ss_mesh_destroy(&m);
 }
 
@@ -253,6 +332,7 @@ TEST(what_makes_no_body_is_refused)
         {"generate kidney --size-mm 1,2,3", 2, "--size-mm means nothing for a kidney"},
         {"generate kidney --tetrahedra --points 2000000", 2, "at most 300000"},
         {"generate kidney --points 2000000", 2, "at most 200000"},
+        {"generate kidney --order 2", 2, "--order 2 means nothing for a surface"},
     };
     expect_answers(rows, COUNT(rows));
 }

@@ -389,6 +389,13 @@ TEST(a_kidney_is_filled_and_its_surface_keeps_its_numbers)
     assert_true(volume->tetrahedron_count > 3000);
     assert_int_equal(volume->triangle_count, surface->triangle_count);
     assert_nodes_near(volume, surface, 1e-9);
+    run_tool("tetrahedralize %s k2.vtk --edge-mm 6 --units mm --order 2", kidney);
+    run_tool("check k2.vtk --units mm");
+    ss_mesh *second = load(in_folder("k2.vtk"), 1.0);
+    assert_non_null(second->middle);
+    assert_int_equal(second->tetrahedron_count, volume->tetrahedron_count);
+    assert_nodes_near(second, volume, 0.0);
+    ss_mesh_destroy(&second);
     ss_mesh_destroy(&surface);
     ss_mesh_destroy(&volume);
 }

@@ -38,6 +38,9 @@ softsim_status write_mesh(const ss_mesh *mesh, const char *path, softsim_error *
  * `unit` NULL: the one the file had. */
 void print_written(const ss_mesh *mesh, const char *path, const char *unit);
 
+/* Puts in its place the same mesh of that order: ss_mesh_raise or ss_mesh_lower; 0: as it is. */
+softsim_status change_order(int64_t order, ss_mesh **inout_mesh, softsim_error *error);
+
 /* Copies the groups. `number`: the new number of each node, from 1, 0 where it goes; NULL: the
  * same. False when out of memory. */
 bool carry_groups(const ss_mesh *from, const int32_t *number, ss_mesh *to);

@@ -116,21 +116,6 @@ static softsim_status mend(const char *path, ss_mesh **inout_mesh, softsim_error
     return SOFTSIM_OK;
 }
 
-static softsim_status change_order(int64_t order, ss_mesh **inout_mesh, softsim_error *error)
-{
-    ss_mesh *mesh = *inout_mesh, *changed = NULL;
-    if (order == 0 || order == (mesh->middle != NULL ? 2 : 1)) {
-        return SOFTSIM_OK;
-    }
-    const softsim_status status =
-        (order == 2 ? ss_mesh_raise : ss_mesh_lower)(mesh, &changed, error);
-    if (status == SOFTSIM_OK) {
-        ss_mesh_destroy(inout_mesh);
-        *inout_mesh = changed;
-    }
-    return status;
-}
-
 /* Returns the exit status. */
 static int convert(const void *what, softsim_error *error)
 {

@@ -8,6 +8,7 @@
  */
 #include "command.h"
 #include "mesh/mesh.h"
+#include "round.h"
 #include "rt/args.h"
 #include "rt/vec.h"
 #include "spread.h"
@@ -52,7 +53,7 @@ static const struct {
 /* Zero or NULL: not given. */
 typedef struct request {
     shape_kind shape;
-    int64_t points, rows, columns;
+    int64_t points, rows, columns, order;
     double size_mm[3], inner_mm[3], base_mm;
     double radius_m, length_m, width_m, height_m;
     const char *out;
@@ -139,7 +140,15 @@ static softsim_status make_body(const request *q, ss_mesh **out, softsim_error *
         return make_smooth(q, out, error);
     }
     const volume_plan plan = plan_volume(q);
-    const softsim_status status = volume_create(&plan, out, error);
+    softsim_status status = volume_create(&plan, out, error);
+    if (status == SOFTSIM_OK && q->order == 2) {
+        ss_mesh *first = *out;
+        status = ss_mesh_raise(first, out, error);
+        ss_mesh_destroy(&first);
+        if (status == SOFTSIM_OK) {
+            round_middles(&plan, *out);
+        }
+    }
     if (status != SOFTSIM_OK || q->has_tetrahedra || (*out)->tetrahedron_count == 0) {
         return status;
     }
@@ -212,6 +221,7 @@ static void check_options(const request *q, bool has_size, bool has_inner, softs
     const bool is_plane = q->shape == SHAPE_PLANE;
     const bool is_grid = is_plane || (is_cylinder && !q->has_tetrahedra);
     need(q->has_tetrahedra, !is_plane, "--tetrahedra", name, error);
+    need(q->order == 2, q->has_tetrahedra, "--order 2", "surface", error);
     need(q->points != 0, !is_grid, "--points", name, error);
     need(has_size, shapes[q->shape].size[0] > 0.0, "--size-mm", name, error);
     need(has_inner, shapes[q->shape].inner[0] > 0.0, "--inner-mm", name, error);
@@ -291,8 +301,12 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
     const ss_arg rows[] = {
         SS_FLAG("--tetrahedra", &q->has_tetrahedra,
                 "a volume, not its surface alone (not of a plane)"),
+        {"--order", SS_ARG_INTEGER, &q->order, 1, 2, "N",
+         "2: tetrahedra with a node in the middle of each side, on the true shape where that is on "
+         "a smooth surface (1)"},
         {"--points", SS_ARG_INTEGER, &q->points, VOLUME_MIN_POINTS, VOLUME_MAX_POINTS, "N",
-         "exactly N on the surface of a kidney, liver, ellipsoid (1200); else about N"},
+         "exactly N on the surface of a kidney, liver, ellipsoid (1200); else about N; without the "
+         "middles of sides"},
         SS_TEXT("--size-mm", &size, "X,Y,Z",
                 "full lengths: ellipsoid (100,60,60), ventricle (20,20,40), ellipsoids "
                 "(100,80,80), block "

@@ -20,6 +20,7 @@ typedef struct request {
     const char *path[2];
     int32_t units;
     double edge, edge_mm, timeout_s;
+    int64_t order;
 } request;
 
 static ss_args_result parse(int argc, char **argv, void *what, softsim_error *error)
@@ -31,6 +32,8 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
          "about the length of inner edges, in the file's own unit"},
         {"--edge-mm", SS_ARG_NUMBER, &q->edge_mm, 1e-9, 1e12, "X", "the same in millimetres"},
         SS_CHOICE("--units", &q->units, UNITS, "of IN and OUT, for --edge-mm (mm)"),
+        {"--order", SS_ARG_INTEGER, &q->order, 1, 2, "N",
+         "2: with a node in the straight middle of each side (1)"},
         {"--timeout-s", SS_ARG_NUMBER, &q->timeout_s, 0.1, 1e6, "S",
          "tetgen is stopped after that (300)"},
     };
@@ -154,6 +157,7 @@ static int tetrahedralize(const void *what, softsim_error *error)
                  ? tetgen_fill(surface, volume_bound(q->edge), q->timeout_s, &volume, error)
                  : status;
     status = status == SOFTSIM_OK ? finish(surface, q->edge, &volume, error) : status;
+    status = status == SOFTSIM_OK ? change_order(q->order, &volume, error) : status;
     status = status == SOFTSIM_OK ? write_mesh(volume, q->path[1], error) : status;
     ss_progress_end();
     if (status == SOFTSIM_OK) {
