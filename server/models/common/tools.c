@@ -335,18 +335,18 @@ static double touch_stiffness(const ss_tool *tool, const double normal[3])
     return 1.0 / (tool->compliance + 1.0 / (is_round ? 2.0 * rise * own : working_stiffness(tool)));
 }
 
-/* Contacts come and go under what a grasp holds, and turn: along their normals the estimate of its
- * stiffness, kept from step to step, began anew each time, two to three times too high, and the
- * coupling after it. The force that draws it turns as slowly as the tool goes. */
-static void set_along(ss_tool *tool, const ss_contact_set *set)
+/* A grasp is told along the direction in which it was taken, which turns with the tool. Contacts
+ * come and go under what it holds, and turn: along their normals the estimate of its stiffness,
+ * kept from step to step, began anew each time, two to three times too high, and the coupling went
+ * after it. So it did along the force that draws it, in bodies whose estimate takes long. */
+static void set_along(ss_tool *tool, const ss_contact_set *set, double out[3])
 {
-    double force[3];
-    ss_copy3(force, set->force);
-    if (set->is_held && ss_normalize3(force) > 0.0) {
-        ss_scale3(tool->along, force, ss_dot3(force, tool->along) < 0.0 ? -1.0 : 1.0);
-    } else {
-        ss_contact_set_direction(set, tool->along);
+    if (set->is_held && ss_norm3(tool->along) > 0.0) {
+        ss_rotate(out, tool->pose.orientation, tool->along);
+        return;
     }
+    ss_contact_set_direction(set, out);
+    ss_rotate_back(tool->along, tool->pose.orientation, out);
 }
 
 bool ss_tool_fill_contacts(ss_tool *tool, const ss_real *u, double near, ss_contact_set *out,
@@ -360,9 +360,11 @@ bool ss_tool_fill_contacts(ss_tool *tool, const ss_real *u, double near, ss_cont
         set_mean(tool, out);
     }
     if (out->count > 0 && ss_tool_is_touching(tool)) {
-        set_along(tool, out);
-        ss_copy3(out_along, tool->along);
+        set_along(tool, out, out_along);
         return true;
+    }
+    if (!out->is_held) {
+        ss_set3(tool->along, 0.0, 0.0, 0.0);
     }
     for (int32_t k = 0; k < out->count; ++k) {
         out->contact[k].stiffness = touch_stiffness(tool, out->contact[k].normal);

@@ -35,7 +35,7 @@ typedef struct ss_tool {
     double force[3], torque[3]; /* on the tool */
     double penalty;             /* J */
     double felt;                /* N/m, last in contact, */
-    double along[3];            /* along this, unit */
+    double along[3];            /* along this, in the tool's frame; 0: not in contact */
     double compliance;          /* m/N, of the body alone: then, or at rest */
     double impulse[3];          /* N s, of `force` over the end of the step, */
     double span;                /* s: and how long that was */
