@@ -69,17 +69,17 @@ static softsim_status start_net(ss_loops *loops, ss_loop_threads *threads, softs
 static softsim_status open_publisher(ss_loops *loops, softsim_error *error)
 {
     const ss_scene *scene = loops->world->scene;
-    const ss_mesh *mesh = scene->mesh;
+    const ss_drawn *drawn = &loops->world->drawn;
     const ss_publisher_config config = {.lcm_url = loops->options->lcm_url,
                                         .prefix = loops->options->prefix,
                                         .max_bytes_per_s = scene->max_bytes_per_s};
-    const ss_publish_mesh surface = {.node_count = mesh->node_count,
-                                     .triangle_count = mesh->triangle_count,
-                                     .rest = (const double(*)[3])mesh->position,
-                                     .triangle = (const int32_t(*)[3])mesh->triangle,
-                                     .file_node = mesh->file_node,
-                                     .fixed = scene->fixed,
-                                     .diagonal = ss_mesh_diagonal(mesh)};
+    const ss_publish_mesh surface = {.node_count = drawn->node_count,
+                                     .triangle_count = drawn->triangle_count,
+                                     .rest = drawn->rest,
+                                     .triangle = drawn->triangle,
+                                     .file_node = drawn->file_node,
+                                     .fixed = drawn->fixed,
+                                     .diagonal = ss_mesh_diagonal(scene->mesh)};
     return ss_publisher_open(&config, &surface, &loops->publisher, error);
 }
 

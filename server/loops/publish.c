@@ -15,11 +15,10 @@ static bool find_values(const ss_world *world, ss_scene_field kind,
     if (kind == SS_SCENE_FIELD_POTENTIAL) {
         return snapshot->has_source &&
                world->model_class->potential->find(
-                   world->model, snapshot->number + 3 * (size_t)world->scene->mesh->node_count,
-                   out_value);
+                   world->model, snapshot->number + 3 * (size_t)world->drawn.node_count, out_value);
     }
     if (*field == NULL) {
-        *field = ss_field_create(world->scene, world->model_class);
+        *field = ss_field_create(world->scene, world->model_class, &world->drawn);
     }
     if (*field != NULL) {
         ss_field_compute(*field, kind, snapshot->number, out_value);
@@ -32,7 +31,7 @@ static void set_field(ss_loops *loops, ss_scene_field kind, const ss_surface_sna
 {
     const ss_world *world = loops->world;
     if (*value == NULL) {
-        *value = ss_memory_get((size_t)world->scene->mesh->node_count, sizeof **value);
+        *value = ss_memory_get((size_t)world->drawn.node_count, sizeof **value);
     }
     if (*value != NULL && find_values(world, kind, snapshot, field, *value)) {
         ss_publisher_set_field(loops->publisher, ss_clock_now_ns(), snapshot->step,

@@ -106,6 +106,13 @@ typedef struct ss_model_layer {
     double (*share)(const ss_model *model, int32_t skin);
 } ss_model_layer;
 
+/* The body as a model has it: the nodes of its plan's mesh come first, with `middle` each face of
+ * the surface is four triangles (mesh.h). Belongs to the model. */
+typedef struct ss_model_shape {
+    const ss_mesh *mesh;
+    const uint8_t *fixed; /* of each node, as in the plan */
+} ss_model_shape;
+
 /* A potential of the model's own, in joules, for who wants to see it. A step only says what acts;
  * what that spreads is found elsewhere. */
 typedef struct ss_model_potential {
@@ -155,6 +162,9 @@ typedef struct ss_model_class {
     void (*explain)(const ss_model *model, const ss_notes *out);
     const ss_model_layer *layer;         /* NULL: none */
     const ss_model_potential *potential; /* NULL: none */
+    /* Of a model with more nodes than its plan, or others: displacement and velocity then tell of
+     * all of them. NULL: the plan's mesh. */
+    void (*shape)(const ss_model *model, ss_model_shape *out);
     /* Sets row `index` while running (rows with is_live); NULL without any. RT-safe. */
     void (*set)(ss_model *model, int32_t index, double value);
 } ss_model_class;

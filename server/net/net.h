@@ -50,7 +50,7 @@ typedef struct ss_publish_mesh {
     int32_t node_count, triangle_count;
     const double (*rest)[3];
     const int32_t (*triangle)[3];
-    const int32_t *file_node; /* NULL: surface numbers are the file's */
+    const int32_t *file_node; /* NULL: surface numbers are the file's; -1: in no file */
     const uint8_t *fixed;     /* not 0: fixed (bit 0 of the message's node_flag) */
     double diagonal;          /* m; scale = diagonal / 16384 */
 } ss_publish_mesh;

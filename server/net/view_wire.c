@@ -65,12 +65,12 @@ static void *take_room(reader *r, int32_t count, uint32_t bytes)
     return r->room->bytes + aligned;
 }
 
-static const int32_t *get_ints(reader *r, int32_t count, int32_t below)
+static const int32_t *get_ints(reader *r, int32_t count, int32_t least, int32_t below)
 {
     int32_t *out = take_room(r, count, sizeof *out);
     for (int32_t i = 0; i < count && !r->in.has_failed; ++i) {
         out[i] = get_int(r);
-        expect(r, out[i] >= 0 && out[i] < below);
+        expect(r, out[i] >= least && out[i] < below);
     }
     return out;
 }
@@ -175,14 +175,14 @@ bool ss_view_decode_topology(const uint8_t *data, int32_t size, ss_view_room *ro
                    is_within(out->first_triangle, out->triangle_chunk, out->triangle_count) &&
                    rest_count == 3 * (int64_t)out->node_chunk && indices % 3 == 0 && indices >= 0 &&
                    out->scale > 0.0f);
-    out->file_node = get_ints(&r, out->node_chunk, INT32_MAX);
+    out->file_node = get_ints(&r, out->node_chunk, -1, INT32_MAX);
     uint8_t *flags = take_room(&r, out->node_chunk, 1);
     for (int32_t i = 0; i < out->node_chunk && !r.in.has_failed; ++i) {
         flags[i] = (uint8_t)ss_read(&r.in, 1);
     }
     out->node_flag = flags;
     out->rest = get_floats(&r, rest_count);
-    out->triangle = get_ints(&r, indices, out->node_count);
+    out->triangle = get_ints(&r, indices, 0, out->node_count);
     return is_whole(&r);
 }
 
@@ -195,7 +195,7 @@ bool ss_view_decode_delta(const uint8_t *data, int32_t size, ss_view_room *room,
     int32_t numbers;
     GET_INTS(&r, &out->seq, &out->topology, &out->count, &numbers);
     expect(&r, out->count >= 0 && numbers == 3 * (int64_t)out->count);
-    out->node = get_ints(&r, out->count, INT32_MAX);
+    out->node = get_ints(&r, out->count, 0, INT32_MAX);
     out->displacement = get_shorts(&r, numbers);
     return is_whole(&r);
 }

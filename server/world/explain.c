@@ -98,7 +98,8 @@ static void explain_loops(const ss_world *world, const ss_notes *out)
     if (!world->surface) {
         ss_note_left_out(out, "mesh publisher, its thread and its snapshots", "mesh_rate_hz 0");
     } else {
-        ss_note_used(out, "publish", "%.4g Hz, at most %.4g bytes/s", scene->mesh_rate_hz,
+        ss_note_used(out, "publish", "%d nodes, %d triangles, %.4g Hz, at most %.4g bytes/s",
+                     world->drawn.node_count, world->drawn.triangle_count, scene->mesh_rate_hz,
                      scene->max_bytes_per_s);
     }
 }

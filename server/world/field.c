@@ -19,10 +19,11 @@ typedef struct element {
 } element;
 
 struct ss_field {
-    const ss_mesh *mesh; /* borrowed */
-    element *element;    /* NULL: only displacements are possible */
-    double *volume;      /* a node: of its tetrahedra together, m^3 */
-    double *sum;         /* scratch, a node */
+    const ss_mesh *mesh;   /* borrowed */
+    const ss_drawn *drawn; /* borrowed */
+    element *element;      /* NULL: only displacements are possible */
+    double *volume;        /* a node: of its tetrahedra together, m^3 */
+    double *sum;           /* scratch, a node */
 };
 
 const char *ss_field_name(ss_scene_field kind)
@@ -147,13 +148,14 @@ void ss_field_destroy(ss_field **field)
     }
 }
 
-ss_field *ss_field_create(const ss_scene *scene, const ss_model_class *model)
+ss_field *ss_field_create(const ss_scene *scene, const ss_model_class *model, const ss_drawn *drawn)
 {
     ss_field *field = ss_memory_get(1, sizeof *field);
     if (field == NULL) {
         return NULL;
     }
     field->mesh = scene->mesh;
+    field->drawn = drawn;
     if (!ss_field_is_possible(scene, model, SS_SCENE_FIELD_ENERGY)) {
         return field;
     }
@@ -208,7 +210,7 @@ void ss_field_compute(ss_field *field, ss_scene_field kind, const float *displac
 {
     const ss_mesh *mesh = field->mesh;
     if (kind == SS_SCENE_FIELD_DISPLACEMENT || field->element == NULL) {
-        for (int32_t i = 0; i < mesh->node_count; ++i) {
+        for (int32_t i = 0; i < field->drawn->node_count; ++i) {
             const float *u = displacement + 3 * (size_t)i;
             out_value[i] = sqrtf(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
         }
@@ -228,4 +230,5 @@ void ss_field_compute(ss_field *field, ss_scene_field kind, const float *displac
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         out_value[i] = field->volume[i] > 0.0 ? (float)(field->sum[i] / field->volume[i]) : 0.0F;
     }
+    ss_drawn_spread(field->drawn, out_value);
 }

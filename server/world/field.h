@@ -20,6 +20,7 @@
  */
 #include "models/model.h"
 #include "scene/scene.h"
+#include "world/drawn.h"
 
 typedef struct ss_field ss_field;
 
@@ -30,11 +31,13 @@ const char *ss_field_lack(ss_scene_field kind);
 /* Those that are possible, with `between` them. */
 void ss_field_list(const ss_scene *scene, const ss_model_class *model, const char *between,
                    char *out, size_t size);
-/* NULL without memory. */
-ss_field *ss_field_create(const ss_scene *scene, const ss_model_class *model);
+/* `drawn` outlives it. NULL without memory. */
+ss_field *ss_field_create(const ss_scene *scene, const ss_model_class *model,
+                          const ss_drawn *drawn);
 void ss_field_destroy(ss_field **field); /* accepts NULL; nulls */
-/* Not of the potential. `displacement`: 3 floats a node; out_value: one a node. Nodes of no
- * tetrahedron have 0. */
+/* Not of the potential. `displacement`: 3 floats a drawn node; out_value: one a node. Tetrahedra
+ * are taken by their corners; nodes in the middle of the surface's sides have the mean of the ends,
+ * others of no tetrahedron 0. */
 void ss_field_compute(ss_field *field, ss_scene_field kind, const float *displacement,
                       float *out_value);
 const char *ss_field_name(ss_scene_field kind);

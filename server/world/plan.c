@@ -238,6 +238,17 @@ int32_t ss_world_snapshot_interval(double mesh_rate_hz, double step_period)
     return every < 1.0 ? 1 : (int32_t)fmin(every, 1e6);
 }
 
+static softsim_status build_drawn(ss_world *world)
+{
+    const ss_scene *scene = world->scene;
+    ss_model_shape shape = {.mesh = scene->mesh, .fixed = scene->fixed};
+    if (world->model_class->shape) {
+        world->model_class->shape(world->model, &shape);
+    }
+    return ss_drawn_init(&world->drawn, scene->mesh, scene->fixed, &shape) ? SOFTSIM_OK
+                                                                           : SOFTSIM_ERROR_MEMORY;
+}
+
 static softsim_status build_exchange(ss_world *world)
 {
     const ss_scene *scene = world->scene;
@@ -264,7 +275,7 @@ static softsim_status build_exchange(ss_world *world)
         world->snapshot_every = ss_world_snapshot_interval(scene->mesh_rate_hz, world->step_period);
         const size_t floats = world->model_class->potential != NULL ? 4 : 3;
         world->surface = ss_mailbox_create(
-            sizeof(ss_surface_snapshot) + floats * sizeof(float) * (size_t)scene->mesh->node_count);
+            sizeof(ss_surface_snapshot) + floats * sizeof(float) * (size_t)world->drawn.node_count);
         if (!world->surface) {
             return SOFTSIM_ERROR_MEMORY;
         }
@@ -366,6 +377,9 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
         status = build_probes(world, options->is_lockstep, error);
     }
     if (status == SOFTSIM_OK) {
+        status = build_drawn(world);
+    }
+    if (status == SOFTSIM_OK) {
         status = build_exchange(world);
     }
     if (status != SOFTSIM_OK) {
@@ -407,6 +421,7 @@ void ss_world_destroy(ss_world **world_pointer)
     ss_mailbox_destroy(&world->haptic_stats);
     ss_mailbox_destroy(&world->simulation_stats);
     ss_mailbox_destroy(&world->surface);
+    ss_drawn_fini(&world->drawn);
     SS_EACH(ss_memory_free, world->lateness, world->step_time, world->set_value, world->prescribed,
             world->node_of_file, world->file_triangle);
     ss_scene_destroy(&world->scene);

@@ -122,13 +122,14 @@ void softsim_read_nodes(softsim_world *public_world, double (*out_position)[3],
     ss_world *world = ss_world_of(public_world);
     ss_world_settle(world);
     const ss_mesh *mesh = world->scene->mesh;
+    const double(*rest)[3] = world->drawn.rest; /* the model's: a bent side may be straight there */
     const ss_real *u = world->model_class->displacement(world->model);
     const ss_real *v = world->model_class->velocity(world->model);
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         const int32_t file = ss_mesh_file_node(mesh, i);
         for (int32_t axis = 0; axis < 3; ++axis) {
             if (out_position) {
-                out_position[file][axis] = mesh->position[i][axis] + (double)u[4 * i + axis];
+                out_position[file][axis] = rest[i][axis] + (double)u[4 * i + axis];
             }
             if (out_displacement) {
                 out_displacement[file][axis] = (double)u[4 * i + axis];

@@ -289,11 +289,13 @@ static void post_surface(ss_world *world)
 {
     ss_surface_snapshot *snapshot = ss_mailbox_draft(world->surface);
     const ss_real *u = world->model_class->displacement(world->model);
-    const int32_t node_count = world->scene->mesh->node_count;
+    const ss_drawn *drawn = &world->drawn;
+    const int32_t node_count = drawn->node_count;
     snapshot->step = world->steps;
     for (int32_t i = 0; i < node_count; ++i) {
+        const ptrdiff_t node = drawn->node ? drawn->node[i] : i;
         for (int32_t axis = 0; axis < 3; ++axis) {
-            snapshot->number[3 * i + axis] = (float)u[4 * i + axis];
+            snapshot->number[3 * i + axis] = (float)u[4 * node + axis];
         }
     }
     const ss_model_potential *potential = world->model_class->potential;

@@ -30,6 +30,7 @@
 #include "scene/scene.h"
 #include "softsim/config.h"
 #include "softsim/softsim.h"
+#include "world/drawn.h"
 #include "world/watch.h"
 
 /* A command on its way to a loop. */
@@ -67,8 +68,8 @@ typedef struct ss_simulation_stats {
     bool is_paused;
 } ss_simulation_stats;
 
-/* A surface snapshot for the publisher: `number` has a displacement of 3 floats a node and, of a
- * model with a potential, what acts in it, one a node, while publish.field asks for it. */
+/* A surface snapshot for the publisher: `number` has a displacement of 3 floats a drawn node and,
+ * of a model with a potential, what acts in it, one a node, while publish.field asks for it. */
 typedef struct ss_surface_snapshot {
     int64_t step;
     bool has_source;
@@ -136,6 +137,7 @@ typedef struct ss_world {
     double step_cost_us; /* estimated */
     uint64_t plan_hash;
     ss_prescribed *prescribed;
+    ss_drawn drawn;              /* the surface that is published */
     int32_t *node_of_file;       /* our number of each node of the file; NULL: the same */
     int32_t (*file_triangle)[3]; /* the surface in the file's numbers; NULL: the mesh's */
 

@@ -39,7 +39,7 @@ static int make_scene(uint8_t *out)
 
 static int make_topology(uint8_t *out)
 {
-    int32_t file_node[] = {7, 8, 9}, triangle[] = {2, 3, 4};
+    int32_t file_node[] = {7, -1, 9}, triangle[] = {2, 3, 4};
     uint8_t flag[] = {0, 1, 0};
     float rest[] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
     const softsim_mesh_topology_t wire = {.utime = 1,
@@ -143,6 +143,7 @@ TEST(a_mesh_comes_as_it_went)
     softsim_mesh_field f;
     assert_true(ss_view_decode_topology(message, make_topology(message), &room, &t));
     assert_int_equal(t.first_node + t.node_chunk, t.node_count);
+    assert_int_equal(t.file_node[1], -1);
     assert_int_equal(t.file_node[2], 9);
     assert_int_equal(t.node_flag[1], 1);
     assert_true(t.rest[8] == 8.0F && t.scale == 1e-5F);

@@ -249,6 +249,11 @@ static void explain(const ss_model *model, const ss_notes *out)
     ss_body_explain(model->body, out);
 }
 
+static void tell_shape(const ss_model *model, ss_model_shape *out)
+{
+    *out = (ss_model_shape){.mesh = &model->raised.mesh, .fixed = model->raised.plan.fixed};
+}
+
 static const ss_hints_variant variants[] = {
     {.name = "fem-quadratic stable-neo-hookean",
      .text = "  material: stable-neo-hookean\n",
@@ -274,4 +279,4 @@ SS_MODEL_CLASS(ss_model_fem_quadratic, "fem-quadratic",
                "a volume of ten-node tetrahedra with split volume energy, explicit in time",
                SS_MODEL_PARTS(ss_model, &hints, rows, step_cost_us, build, destroy, step, explain),
                SS_BODY_STATE(ss_body_model_info, SS_BODY_MOTION), .needs_volume = true,
-               .takes_second_order = true);
+               .takes_second_order = true, .shape = tell_shape);

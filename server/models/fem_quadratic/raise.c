@@ -573,14 +573,18 @@ static bool make_mesh(const ss_mesh *given, sides *s, ss_arena *arena, ss_quadra
                           .triangle_count = parts * given->triangle_count,
                           .tetrahedron_count = given->tetrahedron_count,
                           .tetrahedron = given->tetrahedron,
+                          .middle = ss_arena_get(arena, elements, sizeof(int32_t[6])),
                           .file_element = given->file_element,
                           .is_closed = given->is_closed,
                           .position = ss_arena_get(arena, (size_t)count, sizeof(double[3])),
                           .triangle = ss_arena_get(arena, (size_t)(parts * given->triangle_count),
                                                    sizeof(int32_t[3])),
                           .file_node = ss_arena_get(arena, (size_t)count, sizeof(int32_t))};
-    if (!out->mesh.position || !out->mesh.triangle || !out->mesh.file_node) {
+    if (!out->mesh.middle || !out->mesh.position || !out->mesh.triangle || !out->mesh.file_node) {
         return false;
+    }
+    for (int32_t t = 0; t < given->tetrahedron_count; ++t) {
+        memcpy(out->mesh.middle[t], out->node[t] + 4, sizeof *out->mesh.middle);
     }
     for (int32_t i = 0; i < given->node_count; ++i) {
         ss_copy3(out->mesh.position[i], given->position[i]);
