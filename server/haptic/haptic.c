@@ -22,6 +22,8 @@
 
 enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS };
 
+#define STOP_TIME 0.005 /* s: of a proxy whose grasp is let go */
+
 struct ss_haptic {
     ss_haptic_config config;
     /* state: device */
@@ -37,7 +39,6 @@ struct ss_haptic {
     int64_t press_tick;
     /* state: proxy and tissue */
     double p[3], pdot[3];
-    double last_x[3]; /* the pose used in the last tick */
     ss_yield yield;
     ss_slip slip;
     ss_admission admission;
@@ -295,16 +296,16 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
 
 /* The grasp begins with the button in contact, stays as long as the model holds too (a result may
  * also begin it, in use_result), and ends with the first result of a model that does not. When the
- * button is let go, models hold on a while, less and less: until then the hand is led by what they
- * say, and the proxy stays: moved to the hand at once, it would drag the nodes that the model still
+ * button is let go, models hold on a while, less and less: until then the hand feels what they say,
+ * and the proxy stays where it is: moved to the hand it would drag the nodes that the model still
  * holds, with all that the coupling has stored. */
 static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool is_fresh,
                          const double x[3])
 {
     ss_local_contact *local = &haptic->local;
     const bool was_held = local->grasp.is_held;
-    const bool is_over =
-        is_fresh && !input->result->set.is_held && input->result->tick >= haptic->press_tick;
+    const bool is_answer = is_fresh && input->result->tick >= haptic->press_tick;
+    const bool is_over = is_answer && !input->result->set.is_held;
     if (was_held && is_over) {
         double at[3];
         patch_pose(haptic, x, at);
@@ -313,7 +314,9 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
                ss_local_contact_active_count(local) > 0) {
         ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
-    haptic->slip.is_kept = was_held && (is_over || !haptic->is_pressed);
+    local->grasp.is_ending = local->grasp.is_held && !haptic->is_pressed;
+    local->grasp.is_answered = local->grasp.is_ending && (local->grasp.is_answered || is_answer);
+    haptic->slip.is_kept = local->grasp.is_ending || (was_held && is_over);
 }
 
 /* ---- coupling, balance, limits ---- */
@@ -362,16 +365,22 @@ static void update_limit(ss_haptic *haptic, int64_t tick)
     }
 }
 
-/* The coupling's force-free point goes where the proxy stays under a hand that does. */
-static void keep_proxy(ss_haptic *haptic, double limit)
+/* The coupling's force-free point goes where the proxy comes to rest, soon: stopped at once, a tool
+ * of .2 m/s lets go of the tissue's inertia, 1.5 N in a tick. */
+static void keep_proxy(ss_haptic *haptic, const double x[3], const double v[3], double limit)
 {
-    double load[3], aside[3];
-    ss_local_contact_follow_grasp(&haptic->local, haptic->p, haptic->pdot);
+    const ss_haptic_config *config = &haptic->config;
+    double pdot[3], p[3], load[3];
+    ss_scale3(pdot, haptic->pdot, exp(-config->period / STOP_TIME));
+    ss_madd3(p, haptic->p, config->period, pdot);
+    ss_local_contact_end_grasp(&haptic->local, config->period, limit, p, pdot);
     ss_local_contact_force(&haptic->local, load);
     (void)ss_clamp_norm3(load, limit);
     ss_yield_clear(&haptic->yield);
-    ss_sub3(aside, haptic->p, haptic->last_x);
-    ss_madd3(haptic->slip.aside, aside, -1.0 / haptic->yield.spring, load);
+    for (int i = 0; i < 3; ++i) {
+        const double pull = config->damping * (v[i] - pdot[i]) + load[i];
+        haptic->slip.aside[i] = p[i] - x[i] - pull / haptic->yield.spring;
+    }
     haptic->slip.is_from_grasp = true;
 }
 
@@ -388,7 +397,7 @@ static void set_balance(ss_haptic *haptic, const double x[3], const double v[3],
     ss_madd3(beside, haptic->local.residual, haptic->local.other.share, haptic->local.other.force);
     ss_copy3(balance->other, beside);
     if (slip->is_kept) {
-        keep_proxy(haptic, slip->limit);
+        keep_proxy(haptic, x, v, slip->limit);
     }
     for (int i = 0; i < 3; ++i) {
         const double rest = x[i] + slip->aside[i] + haptic->yield.rest[i];
@@ -453,7 +462,6 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     ss_sub3(haptic->pdot, rest.p, haptic->p);
     ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
     ss_copy3(haptic->p, rest.p);
-    ss_copy3(haptic->last_x, x);
     return is_cut || rest.stiffness_fraction < 1.0;
 }
 
@@ -575,6 +583,10 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     ss_motion_acceleration(&haptic->motion, target->acceleration);
     const double along = ss_dot3(target->acceleration, out);
     ss_madd3(target->acceleration, target->acceleration, (led - 1.0) * along, out);
+    if (haptic->slip.is_kept) {
+        ss_copy3(target->velocity, haptic->pdot);
+        ss_set3(target->acceleration, 0.0, 0.0, 0.0);
+    }
 }
 
 static void write_sums(ss_haptic *haptic)
@@ -673,9 +685,6 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
     const double number[] = {haptic->slip.stiffness_fraction, haptic->slip.length,
                              haptic->admission.held_back, haptic->ramp_from,
                              haptic->passivity.share};
-    if (haptic->local.grasp.is_held) {
-        hash = ss_hash_bytes(hash, haptic->last_x, sizeof haptic->last_x);
-    }
     const uint8_t flag[] = {haptic->slip.is_kept, haptic->slip.is_from_grasp, haptic->is_pressed,
                             haptic->is_returning};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {

@@ -84,6 +84,8 @@ typedef struct ss_local_contact_point {
  * directions. */
 typedef struct ss_local_contact_grasp {
     bool is_held;
+    bool is_ending;   /* the button is up, the model still holds, */
+    bool is_answered; /* and has told a force since */
     double force[3], position[3], velocity[3];
     double stiffness[3][3], viscosity[3][3];
     double tangent[3][3]; /* N/m, the model's: `stiffness` errs high */
@@ -190,9 +192,9 @@ void ss_local_contact_begin(ss_local_contact *local, const double x[3], const do
 void ss_local_contact_hold(ss_local_contact *local, const double p[3], const double pdot[3]);
 void ss_local_contact_release(ss_local_contact *local, const double x[3], const double p[3],
                               const double pdot[3], double limit);
-/* Updates are in the last tick's force of a grasp, the proxy being still at `p`. */
-void ss_local_contact_follow_grasp(ss_local_contact *local, const double p[3],
-                                   const double pdot[3]);
+/* The force of a grasp that is being let go, whose proxy goes to `p` whatever it is. */
+void ss_local_contact_end_grasp(ss_local_contact *local, double period, double limit,
+                                const double p[3], const double pdot[3]);
 /* Moves what acts beside the contacts on by a period, with the limit L (N) of the whole force. */
 void ss_local_contact_follow_other(ss_local_contact *local, double period, double limit);
 /* Writes the rows of the balance for the pose used `x`, the last proxy `p` and p_free. */

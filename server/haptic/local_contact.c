@@ -60,6 +60,7 @@
     0.060 /* s: with results this old k = k_n, the margin costs more than it gives */
 #define PATCH_REACH         0.005 /* m, |D| */
 #define RELEASED_FORCE_TIME 0.010 /* s */
+#define ENDING_TIME         0.004 /* s */
 /* s, tau = h/4 within these. With 2 ms as the least, results at 300 to 1000 Hz let the inertia of a
  * stiff contact into the hand a few ticks late, and fast taps hand out 0.8 to 2.5 mJ; with 4 ms at
  * most 0.4 mJ. Static forces do not depend on it. */
@@ -219,7 +220,7 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double held_
         c->offset -= lost;
         c->drift -= lost;
     }
-    if (local->grasp.is_held) {
+    if (local->grasp.is_held && !local->grasp.is_ending) {
         ss_local_contact_grasp *grasp = &local->grasp;
         double ahead[3], lost[3];
         ss_sub3(ahead, grasp->offset, grasp->drift);
@@ -373,6 +374,8 @@ uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash)
         hash = ss_hash_bytes(hash, local->residual_torque, sizeof local->residual_torque);
     }
     if (local->grasp.is_held) {
+        const uint8_t ending[] = {local->grasp.is_ending, local->grasp.is_answered};
+        hash = ss_hash_bytes(hash, ending, sizeof ending);
         hash = ss_hash_bytes(hash, local->grasp.drift, sizeof local->grasp.drift);
     }
     for (int32_t i = 0; i < local->count; ++i) {
@@ -637,12 +640,26 @@ void ss_local_contact_release(ss_local_contact *local, const double x[3], const 
     }
 }
 
-/* The grasp's law where the last tick left the proxy, with what updates have changed since. */
-void ss_local_contact_follow_grasp(ss_local_contact *local, const double p[3], const double pdot[3])
+/* Until the model knows of it the force stays; then it goes over to the model's reaction. The law
+ * would say what that is where the proxy rests, of a result that a moving tool was predicted for:
+ * 6.8 N of a reaction of 1.7 at 100 Hz. */
+void ss_local_contact_end_grasp(ss_local_contact *local, double period, double limit,
+                                const double p[3], const double pdot[3])
 {
-    if (local->grasp.is_held) {
-        force_of_grasp(&local->grasp, p, pdot, local->grasp.last_force);
+    ss_local_contact_grasp *grasp = &local->grasp;
+    const double kept = grasp->is_answered ? exp(-period / ENDING_TIME) : 1.0;
+    double now[3];
+    if (!grasp->is_held) {
+        return;
     }
+    ss_set3(grasp->offset, 0.0, 0.0, 0.0);
+    force_of_grasp(grasp, p, pdot, now);
+    for (int i = 0; i < 3; ++i) {
+        grasp->last_force[i] = grasp->force[i] + kept * (grasp->last_force[i] - grasp->force[i]);
+    }
+    (void)ss_clamp_norm3(grasp->last_force, limit);
+    ss_sub3(grasp->offset, grasp->last_force, now);
+    ss_copy3(grasp->drift, grasp->offset);
 }
 
 void ss_local_contact_begin(ss_local_contact *local, const double x[3], const double p[3],

@@ -7,9 +7,9 @@
  * along the local contact model's force (coupling.c); what of that slip lies across the force when
  * the force turns goes into `aside`, so that the proxy stays, and fades: in the end the force
  * points from the hand to the proxy. A grasp let go leaves all of it there: until the model holds
- * no more, some 20 ms of its time, the proxy goes with the hand and no further. `aside` belongs to
- * the hand's point, not to where the coupling and its damper together would have the proxy: that
- * depends on the spring, which is another one in and out of contact.
+ * no more, some 20 ms of its time, the proxy stays. `aside` belongs to the hand's point, not to
+ * where the coupling and its damper together would have the proxy: that depends on the spring,
+ * which is another one in and out of contact.
  */
 #include "haptic/internal.h"
 #include "rt/vec.h"
