@@ -121,9 +121,13 @@ async function worksByKeys() {
   const turned = await eye();
   assert.ok(Math.hypot(...turned.map((c, d) => c - before[d])) > 0.05 * Math.hypot(...before), 'an arrow turns');
   assert.ok(Math.abs(Math.hypot(...turned) / Math.hypot(...before) - 1) < 1e-3, 'at the same distance');
-  await page.keyboard.press('i');
-  assert.ok(Math.hypot(...(await eye())) < 0.95 * Math.hypot(...before), 'I is nearer');
   await page.keyboard.press('o');
+  assert.ok(Math.hypot(...(await eye())) > 1.05 * Math.hypot(...before), 'O is further');
+  for (let i = 0; i < 2; ++i) await page.keyboard.press('i');
+  assert.ok(Math.hypot(...(await eye())) < 0.95 * Math.hypot(...before), 'I is nearer');
+  await page.click('#frame');
+  assert.ok(Math.hypot(...(await eye()).map((c, d) => c - before[d])) < 1e-3 * Math.hypot(...before), 'the whole body again');
+  await page.focus('#view');
   await page.keyboard.press('Enter');
   await felt(page);
   const depth = () => page.evaluate(() => parseFloat(document.getElementById('depth-set').textContent));

@@ -1,7 +1,9 @@
 // The socket to softsim-web: what it sends, decoded (clients/web/hub.h and body.h have the layout),
-// and what it takes. A lost connection is tried again; the server then tells all there is.
+// and what it takes. A lost connection is tried again; the server then tells all there is. One that says
+// nothing, though a server is there that speaks four times a second, is lost too: a peer that vanished
+// closes nothing.
 
-const HEAD = 4;
+const HEAD = 4, RETRY_MS = 1000, QUIET_TICKS = 4; // of RETRY_MS
 
 function topology(buffer) {
   const head = new DataView(buffer);
@@ -56,7 +58,13 @@ export class Link extends EventTarget {
   constructor() {
     super();
     this.bytes = 0;
+    this.isExpecting = false; // to hear of a server
+    this.quiet = 0;           // ticks, not a time: a page that was busy has first to hear what waits
     this.open();
+    setInterval(() => {
+      this.quiet = this.isExpecting ? this.quiet + 1 : 0;
+      if (this.quiet >= QUIET_TICKS) this.close();
+    }, RETRY_MS);
   }
 
   open() {
@@ -67,10 +75,15 @@ export class Link extends EventTarget {
     this.socket.binaryType = 'arraybuffer';
     this.socket.onmessage = (event) => this.take(event.data);
     this.socket.onopen = () => this.tell('open', {});
-    this.socket.onclose = () => {
-      this.tell('closed', {});
-      setTimeout(() => this.open(), 1000);
-    };
+    this.socket.onclose = () => this.close();
+  }
+
+  close() {
+    this.socket.onmessage = this.socket.onclose = null;
+    this.socket.close();
+    this.quiet = 0;
+    this.tell('closed', {});
+    setTimeout(() => this.open(), RETRY_MS);
   }
 
   tell(kind, detail) {
@@ -78,6 +91,7 @@ export class Link extends EventTarget {
   }
 
   take(data) {
+    this.quiet = 0;
     if (typeof data === 'string') {
       const message = JSON.parse(data);
       this.tell(message.type, message);

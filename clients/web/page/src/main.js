@@ -4,7 +4,7 @@ import { Colouring } from './colouring.js';
 import { Hand } from './hand.js';
 import { Keys } from './keys.js';
 import { Link } from './link.js';
-import { $, notice } from './page.js';
+import { $, notice, showBanner } from './page.js';
 import { Panel } from './panel.js';
 import { Parameters } from './parameters.js';
 import { Plots } from './plots.js';
@@ -13,7 +13,12 @@ import { Readings } from './readings.js';
 import { Session } from './session.js';
 import { Sound } from './sound.js';
 import { Tools } from './tools.js';
-import { View } from './view.js';
+import { canDraw, View } from './view.js';
+
+if (!canDraw()) {
+  showBanner('This browser cannot draw it', 'The picture needs WebGL 2: switch hardware acceleration on in its settings, or try another browser.');
+  throw new Error('no WebGL 2');
+}
 
 const view = new View($('view')), body = new Body(), tools = new Tools();
 const link = new Link();
@@ -80,6 +85,7 @@ link.on('hand', ({ holder, refused }) => {
 });
 session.onChange = (kind) => {
   hand.isServed = kind === 'live';
+  link.isExpecting = hand.isServed || kind === 'loading';
   hand.onChange();
   if (kind !== 'lost' && kind !== 'silent') return;
   hand.cancel();
@@ -95,6 +101,7 @@ function showParts() {
   body.ghost.visible = $('show-ghost').checked;
   body.fixed.visible = $('show-fixed').checked;
 }
+$('frame').onclick = frame;
 for (const id of ['show-edges', 'show-ghost', 'show-fixed']) $(id).onchange = showParts;
 $('sound').onchange = () => sound.toggle($('sound').checked);
 

@@ -1,12 +1,12 @@
 // Whom the page talks to, in plain words: a banner while there is nothing live to see, with what to do.
 //   connecting, lost (no softsim-web), silent (no server), loading (no body yet), live
-import { $ } from './page.js';
+import { $, showBanner } from './page.js';
 
 const command = (scene) => `softsimd ${scene || 'server/scenes/kidney.yaml'}`;
 
 const SAID = {
   connecting: () => ['Connecting', 'Looking for softsim-web.'],
-  lost: ({ address }) => ['softsim-web has stopped', 'This page goes on by itself once it runs again at the same address:',
+  lost: ({ address }) => ['softsim-web does not answer', 'This page goes on by itself once it runs again at the same address:',
     `softsim-web --port ${new URL(address).port || 80}`],
   silent: ({ scene }) => (scene
     ? ['The server has stopped', 'This page goes on by itself once it runs again:', command(scene)]
@@ -41,15 +41,10 @@ export class Session {
     const kind = this.kind(), isLive = kind === 'live', hasServer = isLive || kind === 'loading';
     document.title = `softsim: ${{ live: 'live', silent: 'no server', lost: 'gone' }[kind] ?? 'waiting'}`;
     document.body.dataset.session = kind;
-    $('banner').hidden = isLive;
     for (const part of ['pause', 'reset']) $(part).disabled = !hasServer;
     $('record').disabled = !this.isOpen;
     $('settings').inert = !hasServer;
-    if (isLive) return;
-    const [head, text, todo] = SAID[kind]({ scene: this.scene, isMeshOff: this.isMeshOff, address: location.href });
-    $('banner-head').textContent = head;
-    $('banner-text').textContent = text;
-    $('banner-todo').textContent = todo ?? '';
-    $('banner-todo').hidden = !todo;
+    $('banner').hidden = isLive;
+    if (!isLive) showBanner(...SAID[kind]({ scene: this.scene, isMeshOff: this.isMeshOff, address: location.href }));
   }
 }

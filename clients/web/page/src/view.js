@@ -7,6 +7,8 @@ const GROUND = { light: 0xeef1f4, dark: 0x12181e };
 const WHENCE = new THREE.Vector3(-0.55, -0.75, 0.62).normalize();
 const STEEPEST = 0.05; // rad from the axis
 
+export const canDraw = () => document.createElement('canvas').getContext('webgl2') !== null;
+
 export class View {
   constructor(canvas) {
     this.canvas = canvas;
@@ -46,6 +48,8 @@ export class View {
     this.orbit.target.copy(center);
     this.camera.up.set(0, 0, 1);
     this.camera.position.copy(center).addScaledVector(WHENCE, distance);
+    this.orbit.minDistance = 0.2 * radius;
+    this.orbit.maxDistance = 5 * distance;
     this.camera.near = distance / 200;
     this.camera.far = distance * 20;
     this.camera.updateProjectionMatrix();
