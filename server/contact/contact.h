@@ -177,6 +177,27 @@ void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal);
 /* The nodes that the samples found can move, increasing: for sparse clearing. RT-safe. */
 int32_t ss_contact_query_candidate_nodes(const ss_contact_query *query, const int32_t **out_node);
 
+/* Friction between tool and surface (friction.c), from now on: `coefficient` mu, or by node of the
+ * surface's mesh. Once; without it a query has none of it. Thread: set-up only. */
+softsim_status ss_contact_query_add_friction(ss_contact_query *query, double coefficient,
+                                             const double *by_node);
+/* J: what the springs along the surface hold, and what was lost since the anchors were kept. */
+typedef struct ss_friction_energy {
+    double stored, lost;
+} ss_friction_energy;
+/* The friction of the samples of the last ss_contact_query_penalty, at its pose, added as that
+ * adds its forces; the tangent below has its stiffness from then on. Forces, tool and energy depend
+ * on the anchors that were kept last: keep_friction after each place that a step comes to, not
+ * after one that it only tries. RT-safe. */
+ss_friction_energy ss_contact_query_friction(ss_contact_query *query, const ss_tool_pose *pose,
+                                             ss_real *force, double tool_force[3],
+                                             double tool_torque[3]);
+void ss_contact_query_keep_friction(ss_contact_query *query);
+/* Nothing is anchored any more: the tool was away, or elsewhere, or holds the tissue. RT-safe. */
+void ss_contact_query_forget_friction(ss_contact_query *query);
+/* FNV-1a 64 of the anchors. RT-safe. */
+uint64_t ss_contact_query_hash_friction(const ss_contact_query *query, uint64_t hash);
+
 /* The point of triangle abc that is closest to p. RT-safe. */
 void ss_contact_closest(const double p[3], const double a[3], const double b[3], const double c[3],
                         double out[3]);
@@ -241,6 +262,8 @@ typedef struct ss_contact {
     double swift;           /* k of a motion within one step, which the touched tissue's inertia
                                resists too, N/m; 0: not known */
     double gap;             /* m, > 0: near but not touching */
+    double friction[3];     /* N, on the tool, along the surface; not in `force` */
+    double coefficient;     /* mu, 0: no friction */
     double curvature[3][3]; /* S: symmetric world-frame matrix on the tangent plane, 1/m */
 } ss_contact;
 
@@ -262,6 +285,8 @@ typedef struct ss_contact_set {
     double other_force[3], other_torque[3];
     /* N/m, that the tool meets in a step, before the tissue yields; 0: not told. */
     double step_stiffness;
+    /* Of force and torque, the friction's: the contacts' own, over the same span as the force. */
+    double friction[3], friction_torque[3];
 } ss_contact_set;
 
 /* The points, normals, depths and forces of the last ss_contact_query_penalty, reduced to at most

@@ -34,6 +34,7 @@ enum { MAX_STATIONS = 4 };
 typedef struct tally {
     double force[3], moment[3]; /* on the tool, about its origin */
     double weight, depth, r[3], rest_normal[3], curvature[6];
+    double friction[3], coefficient; /* on the tool; mu, weighted */
 } tally;
 
 /* ---- the tissue at a sample ---- */
@@ -144,7 +145,9 @@ static void add_tally(tally *sum, const tally *one)
 {
     sum->weight += one->weight;
     sum->depth += one->depth;
+    sum->coefficient += one->coefficient;
     for (int k = 0; k < 3; ++k) {
+        sum->friction[k] += one->friction[k];
         sum->force[k] += one->force[k];
         sum->moment[k] += one->moment[k];
         sum->r[k] += one->r[k];
@@ -167,6 +170,16 @@ static void add_sample(const ss_sample *sample, double weight, tally *sum)
     ss_madd3(sum->r, sum->r, weight, r);
     sum->weight += weight;
     sum->depth += weight * (double)sample->depth;
+}
+
+static void add_friction(const ss_contact_query *query, const ss_group *group, int32_t i,
+                         double stiffness, double weight, tally *sum)
+{
+    const ss_real *s = query->rub[group->first + i].s;
+    for (int k = 0; k < 3; ++k) {
+        sum->friction[k] += stiffness * (double)s[k];
+    }
+    sum->coefficient += weight * ss_contact_friction_coefficient(query, group->triangle);
 }
 
 /* Sums the samples up per station; the deepest one's depth. */
@@ -194,6 +207,9 @@ static double tally_samples(const ss_contact_query *query, const ss_frame *frame
                     continue;
                 }
                 add_sample(s, weight, &station[k]);
+                if (query->rub != NULL) {
+                    add_friction(query, group, i, scale * share[k], weight, &station[k]);
+                }
                 add_tissue(surface, group->triangle, s->sample_index, weight, &station[k]);
             }
         }
@@ -242,6 +258,8 @@ static void set_contact(const ss_contact_query *query, const ss_frame *frame,
         ss_add3(out->point, pose->position, r);
     }
     set_curvature(sum, out->normal, out->curvature);
+    ss_copy3(out->friction, sum->friction);
+    out->coefficient = sum->coefficient / sum->weight;
 }
 
 /* ---- not touching ---- */
@@ -400,6 +418,7 @@ static void set_near(const ss_contact_query *query, const ss_real *u, const ss_t
     }
     add_tissue(query->surface, best.triangle, best.sample_index, 1.0, &sum);
     set_curvature(&sum, contact->normal, contact->curvature);
+    contact->coefficient = ss_contact_friction_coefficient(query, best.triangle);
     ss_copy3(out_set->point, contact->point);
     ss_copy3(out_set->normal, contact->normal);
     out_set->depth = -contact->gap;

@@ -22,6 +22,12 @@ typedef struct ss_sample {
     int32_t sample_index; /* facet * part_count + part */
 } ss_sample;
 
+/* What friction has made of it (friction.c). */
+typedef struct ss_rub {
+    ss_real s[3]; /* m, s': along the surface, from the anchor to the sample */
+    ss_real hold; /* |s'|/|s|: 1 sticks */
+} ss_rub;
+
 /* The samples of one triangle: sample[first] .. sample[next group's first - 1]. */
 typedef struct ss_group {
     int32_t triangle;
@@ -50,6 +56,8 @@ typedef struct ss_outside {
     int64_t fit;  /* of the surface then, */
     double moved; /* m, and how far nodes had moved since */
 } ss_outside;
+
+typedef struct ss_contact_friction ss_contact_friction;
 
 struct ss_contact_query {
     const ss_surface *surface;
@@ -97,6 +105,10 @@ struct ss_contact_query {
     ss_real max_facet_radius; /* m, no facet near the tool reaches further from its centroid */
 
     ss_outside outside;
+
+    /* friction; NULL without */
+    ss_contact_friction *friction;
+    ss_rub *rub; /* of the samples */
 };
 
 /* ---- query.c ---- */
@@ -116,6 +128,20 @@ static inline ss_real ss_contact_query_slope(const ss_contact_query *query, ss_r
 {
     return depth > query->stiffening_depth ? SS_CONTACT_QUERY_STIFFENING : 1;
 }
+
+/* kc A_q of a triangle's samples, N/m. */
+static inline ss_real ss_contact_query_scale(const ss_contact_query *query, int32_t t)
+{
+    const ss_grid *grid = &query->surface->grid;
+    return (ss_real)(query->stiffness * (double)query->surface->area[t] /
+                     (grid->facet_count * grid->part_count));
+}
+
+/* ---- friction.c ---- */
+
+void ss_contact_friction_destroy(ss_contact_query *query);
+/* mu there; 0 without friction. */
+double ss_contact_friction_coefficient(const ss_contact_query *query, int32_t triangle);
 
 /* ---- broad_phase.c ---- */
 

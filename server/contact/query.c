@@ -126,6 +126,7 @@ void ss_contact_query_destroy(ss_contact_query **query)
         return;
     }
     ss_contact_query *t = *query;
+    ss_contact_friction_destroy(t);
     void *memory[] = {t->candidate,   t->candidate_node, t->candidate_u, t->mark,
                       t->node_weight, t->node_slot,      t->weight_node, t->weight,
                       t->source,      t->sample,         t->group};
@@ -380,14 +381,6 @@ static void sum_samples(const ss_contact_query *query, const ss_grid *grid, cons
     sum->energy += 0.5 * (double)scale * (double)squares;
 }
 
-/* kc A_q of a triangle's samples. */
-static ss_real sample_scale(const ss_contact_query *query, int32_t t)
-{
-    const ss_grid *grid = &query->surface->grid;
-    return (ss_real)(query->stiffness * (double)query->surface->area[t] /
-                     (grid->facet_count * grid->part_count));
-}
-
 double ss_contact_query_penalty(ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
                                 ss_real *force, double tool_force[3], double tool_torque[3])
 {
@@ -424,7 +417,8 @@ double ss_contact_query_penalty(ss_contact_query *query, const ss_real *u, const
             continue;
         }
         ss_wide value[SS_GRID_ROW];
-        sum_samples(query, &surface->grid, sample, count, sample_scale(query, t), value, &sum);
+        sum_samples(query, &surface->grid, sample, count, ss_contact_query_scale(query, t), value,
+                    &sum);
         if (force != NULL) {
             ss_surface_scatter(surface, t, value, force);
         }
@@ -441,6 +435,28 @@ double ss_contact_query_penalty(ss_contact_query *query, const ss_real *u, const
 
 /* ---- linearisation ---- */
 
+/* The friction's part of it: less its stiffness times the motions along the surface. */
+static void add_hold(const ss_contact_query *query, const ss_group *group, ss_real scale,
+                     const ss_wide move[SS_GRID_ROW], const ss_wide *shift,
+                     ss_wide value[SS_GRID_ROW], ss_wide *on_tool)
+{
+    const ss_grid *grid = &query->surface->grid;
+    for (int32_t i = group->first; i < group->first + group->count; ++i) {
+        const ss_sample *s = &query->sample[i];
+        const uint8_t *p = grid->facet[s->sample_index / grid->part_count];
+        const ss_real *c = grid->part[s->sample_index % grid->part_count];
+        const ss_wide m = c[0] * move[p[0]] + c[1] * move[p[1]] + c[2] * move[p[2]] - *shift;
+        const ss_real rise = s->n[0] * m[0] + s->n[1] * m[1] + s->n[2] * m[2];
+        const ss_real hold = scale * query->rub[i].hold;
+        const ss_wide f = {hold * (rise * s->n[0] - m[0]), hold * (rise * s->n[1] - m[1]),
+                           hold * (rise * s->n[2] - m[2]), 0};
+        value[p[0]] += c[0] * f;
+        value[p[1]] += c[1] * f;
+        value[p[2]] += c[2] * f;
+        *on_tool += f;
+    }
+}
+
 void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, const double dx[3],
                               ss_real *dforce, double dtool[3])
 {
@@ -450,7 +466,7 @@ void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, 
     double sum[3] = {0.0, 0.0, 0.0};
     for (int32_t g = 0; g < query->group_count; ++g) {
         const ss_group *group = &query->group[g];
-        const ss_real scale = sample_scale(query, group->triangle);
+        const ss_real scale = ss_contact_query_scale(query, group->triangle);
         ss_wide move[SS_GRID_ROW], value[SS_GRID_ROW];
         ss_wide on_tool = {0};
         for (int p = 0; p < SS_GRID_ROW; ++p) {
@@ -472,6 +488,9 @@ void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, 
             value[p[1]] += c[1] * f;
             value[p[2]] += c[2] * f;
             on_tool += f;
+        }
+        if (query->rub != NULL) {
+            add_hold(query, group, scale, move, &shift, value, &on_tool);
         }
         for (int k = 0; k < 3; ++k) {
             sum[k] += (double)on_tool[k];
@@ -506,7 +525,7 @@ void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal)
     double value[SS_GRID_ROW];
     for (int32_t g = 0; g < query->group_count; ++g) {
         const ss_group *group = &query->group[g];
-        const double scale = (double)sample_scale(query, group->triangle);
+        const double scale = (double)ss_contact_query_scale(query, group->triangle);
         memset(value, 0, sizeof value);
         for (int32_t i = 0; i < group->count; ++i) {
             const int32_t sample_index = query->sample[group->first + i].sample_index;
