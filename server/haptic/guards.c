@@ -18,17 +18,18 @@ static bool is_result_finite(const ss_simulation_result *result)
     const ss_contact_set *set = &result->set;
     bool is_good = isfinite(result->period) && ss_is_finite(result->proxy, 3) &&
                    ss_is_finite(result->velocity, 3) && ss_is_finite(set->force, 3) &&
-                   ss_is_finite(set->torque, 3) && ss_is_finite(set->other_force, 3) &&
+                   ss_is_finite(set->torque, 3) && ss_is_finite(set->friction, 3) &&
+                   ss_is_finite(set->friction_torque, 3) && ss_is_finite(set->other_force, 3) &&
                    ss_is_finite(set->other_torque, 3) && isfinite(set->depth) &&
                    isfinite(set->step_stiffness) && isfinite(set->inside_depth) &&
                    ss_is_finite(set->point, 3) && ss_is_finite(result->outward, 3) &&
                    ss_is_finite(set->normal, 3);
     for (int32_t i = 0; is_good && i < set->count && i < SS_MAX_CONTACTS; ++i) {
         const ss_contact *c = &set->contact[i];
-        const double scalar[6] = {c->force,     c->stiffness, c->tangential,
-                                  c->viscosity, c->swift,     c->gap};
+        const double scalar[7] = {c->force, c->stiffness, c->tangential, c->viscosity,
+                                  c->swift, c->gap,       c->coefficient};
         is_good = ss_is_finite(c->point, 3) && ss_is_finite(c->normal, 3) &&
-                  ss_is_finite(scalar, 6) && ss_is_finite(&c->curvature[0][0], 9);
+                  ss_is_finite(scalar, 7) && ss_is_finite(&c->curvature[0][0], 9);
     }
     return is_good;
 }

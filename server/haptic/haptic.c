@@ -211,6 +211,9 @@ static void patch_pose(const ss_haptic *haptic, const double x[3], double out[3]
     }
     const ss_local_contact_other *other = &haptic->local.other;
     ss_madd3(out, out, other->share / haptic->yield.spring, other->force);
+    if (haptic->local.friction.is_used) {
+        ss_madd3(out, out, 1.0 / haptic->yield.spring, haptic->local.friction.force);
+    }
 }
 
 /* Does the tool touch, where it was placed? */
@@ -437,6 +440,11 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     ss_rest rest;
     set_balance(haptic, x, v, &balance);
     ss_coupling_balance(&balance, &rest);
+    if (local->friction.is_used) {
+        ss_friction_balance(local, haptic->p, &rest, &balance);
+        ss_coupling_balance(&balance, &rest);
+        ss_friction_settle(local, &rest, haptic->yield.spring, config->period, &balance);
+    }
     for (int32_t i = 0; i < local->count; ++i) {
         local->contact[i].last_force = i < balance.count ? rest.force[i] : 0.0;
     }
@@ -457,8 +465,10 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     const bool is_cut = ss_clamp_norm3(out_force, haptic->slip.limit);
     double pose_to_proxy[3];
     ss_sub3(pose_to_proxy, rest.p, x);
+    const double pressed =
+        local->friction.is_used ? ss_dot3(out_force, haptic->slip.direction) : ss_norm3(out_force);
     haptic->slip.length =
-        ss_dot3(pose_to_proxy, haptic->slip.direction) - ss_norm3(out_force) / haptic->yield.spring;
+        ss_dot3(pose_to_proxy, haptic->slip.direction) - pressed / haptic->yield.spring;
     ss_sub3(haptic->pdot, rest.p, haptic->p);
     ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
     ss_copy3(haptic->p, rest.p);
@@ -555,6 +565,19 @@ static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const d
                            : 0.0;
 }
 
+/* Of a motion the share `led` along `out`, and across it what friction does not hold. */
+static void lead(const double motion[3], const double out[3], double led, double held,
+                 double out_led[3])
+{
+    const double along = ss_dot3(motion, out);
+    ss_madd3(out_led, motion, (led - 1.0) * along, out);
+    if (held > 0.0) {
+        double across[3];
+        ss_madd3(across, motion, -along, out);
+        ss_madd3(out_led, out_led, -held, across);
+    }
+}
+
 static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const double v[3])
 {
     ss_proxy_target *target = &haptic->output.target;
@@ -572,7 +595,8 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
     const double *out = haptic->slip.direction;
     const double fraction = haptic->slip.stiffness_fraction;
     const double led = fraction * (1.0 - felt_stiffness(haptic, out) / haptic->yield.spring);
-    ss_madd3(target->velocity, v, (led - 1.0) * ss_dot3(v, out), out);
+    const double held = haptic->local.friction.held;
+    lead(v, out, led, held, target->velocity);
     target->room =
         ss_local_contact_room(&haptic->local, haptic->p, haptic->slip.limit, target->outward);
     if (haptic->config.tool_gyration > 0.0 && held_pose(haptic) == &haptic->pose) {
@@ -581,8 +605,7 @@ static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const 
         ss_set3(target->turn, 0.0, 0.0, 0.0);
     }
     ss_motion_acceleration(&haptic->motion, target->acceleration);
-    const double along = ss_dot3(target->acceleration, out);
-    ss_madd3(target->acceleration, target->acceleration, (led - 1.0) * along, out);
+    lead(target->acceleration, out, led, held, target->acceleration);
     if (haptic->slip.is_kept) {
         ss_copy3(target->velocity, haptic->pdot);
         ss_set3(target->acceleration, 0.0, 0.0, 0.0);

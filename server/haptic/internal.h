@@ -6,6 +6,7 @@
  *
  * admission.c  the admission gate: ramps (watchdog, pause, fault, stop), entry into tissue
  * local_contact.c        the local contact model as a law affine in the proxy, offsets, grasp
+ * friction.c   what holds the proxy along the surface
  * coupling.c   the yielding spring between hand and proxy, the balance, the force limit
  * yield.c      the spring's stiffness, which follows the tissue's
  * slip.c       what the force limit and a grasp let go leave between hand and proxy
@@ -78,6 +79,7 @@ typedef struct ss_local_contact_point {
     double drift;           /* N, of the offset, what decays: it, or its mean of some ms */
     double direction[3];    /* n', the normal bent by the curvature */
     double last_force;      /* N, F(p) >= 0 of the last tick */
+    double coefficient;     /* mu */
 } ss_local_contact_point;
 
 /* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity) + offset, all
@@ -108,12 +110,26 @@ typedef struct ss_local_contact_released {
     double share;
 } ss_local_contact_released;
 
+/* What the contacts exert along the surface together (friction.c); 0 where mu is. */
+typedef struct ss_local_friction {
+    bool is_used; /* there is any, or something left of it */
+    bool is_sliding;
+    double force[3];           /* N, on the hand at the last proxy */
+    double offset[3];          /* N, of that: what updates left */
+    double held;               /* share of the hand's way along the surface that the proxy does
+                                  not go, smoothed */
+    double told[3], torque[3]; /* N, N m about the tool's origin: of the last result */
+    double arm[3];             /* m, from the tool's origin to the middle of the contacts, then */
+    double turned[3];          /* m: the way of that by the turn, in the last tick */
+} ss_local_friction;
+
 typedef struct ss_local_contact {
     bool is_known; /* a result was taken since the proxy was placed */
     int32_t count;
     ss_local_contact_point contact[SS_MAX_CONTACTS];
     ss_local_contact_grasp grasp;
     ss_local_contact_other other;
+    ss_local_friction friction;
     bool is_held_back;      /* entering, or at the limit */
     int64_t tick;           /* of the result */
     double result_period;   /* s, h */
@@ -240,6 +256,24 @@ void ss_local_contact_torque(const ss_local_contact *local, double out[3]);
 void ss_local_contact_felt_torque(const ss_local_contact *local, double out[3]);
 /* What an update or a grasp changed of the torque, which was `before`, decays. */
 void ss_local_contact_keep_torque(ss_local_contact *local, const double before[3]);
+
+/* ---- friction.c ---- */
+
+/* Offsets decay to `kept` of what they were. */
+void ss_friction_decay(ss_local_friction *friction, double kept);
+/* A new result's, with the proxy at `p`, so that the force stays. After the contacts. */
+void ss_friction_take(ss_local_contact *local, const ss_contact_set *set, const double p[3]);
+/* The friction's force, from proxy `p` of the last tick on, by a balance `without` it; the balance
+ * with it. */
+void ss_friction_balance(ss_local_contact *local, const double p[3], const ss_rest *without,
+                         ss_balance *balance);
+/* Keeps to the limit of that balance, for a coupling of `spring`. */
+void ss_friction_settle(ss_local_contact *local, const ss_rest *rest, double spring, double period,
+                        ss_balance *balance);
+/* Coulomb: no more than `limit`, N. */
+void ss_friction_cut(ss_local_friction *friction, double limit);
+/* Adds its torque about the tool's origin. */
+void ss_friction_torque(const ss_local_contact *local, double out[3]);
 
 /* ---- coupling.c ---- */
 

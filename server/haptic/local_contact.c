@@ -51,6 +51,7 @@
 #define STIFFNESS_MIN    1e-6 /* N/m: a body of metres and pascals has less than 1 */
 #define STIFFNESS_MAX    1e5  /* N/m */
 #define STIFFNESS_MARGIN 1.15 /* k / k_n */
+#define COEFFICIENT_MAX  10.0 /* mu, as a scene may have it */
 /* k / k_n of what is near: a touch meets the tissue's inertia, which stiffness at rest has not. A
  * tool that would go TOUCH_WAY (m) until a result answers counts half of that: the law of a blow is
  * too stiff anyway when the answer comes. */
@@ -230,6 +231,9 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double held_
         ss_sub3(grasp->drift, grasp->drift, lost);
         ss_sub3(grasp->last_force, grasp->last_force, lost);
     }
+    if (local->friction.is_used) {
+        ss_friction_decay(&local->friction, kept);
+    }
     /* At the limit the force turns as slowly as its contacts' sizes change, while one is there. */
     const bool is_touching = ss_local_contact_active_count(local) > 0;
     decay3(local->residual, is_touching ? kept : exp(-period / usual), NEGLIGIBLE);
@@ -313,6 +317,9 @@ void ss_local_contact_felt(const ss_local_contact *local, double out[3])
 void ss_local_contact_force(const ss_local_contact *local, double out[3])
 {
     ss_madd3(out, local->residual, local->other.share, local->other.force);
+    if (local->friction.is_used) {
+        ss_add3(out, out, local->friction.force);
+    }
     for (int32_t i = 0; i < local->count; ++i) {
         ss_madd3(out, out, local->contact[i].last_force, local->contact[i].direction);
     }
@@ -339,6 +346,9 @@ void ss_local_contact_extrapolate(const ss_local_contact *local, const ss_haptic
                                   int64_t tick, double out[3])
 {
     ss_scale3(out, local->other.force, local->other.share);
+    if (local->friction.is_used) {
+        ss_add3(out, out, local->friction.force);
+    }
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
         ss_madd3(out, out, extrapolated_force(local, c, config, tick), c->direction);
@@ -372,6 +382,12 @@ uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash)
     }
     if (ss_norm3(local->residual_torque) > 0.0) {
         hash = ss_hash_bytes(hash, local->residual_torque, sizeof local->residual_torque);
+    }
+    if (local->friction.is_used) {
+        const ss_local_friction *friction = &local->friction;
+        hash = ss_hash_bytes(hash, friction->force, sizeof friction->force);
+        hash = ss_hash_bytes(hash, friction->offset, sizeof friction->offset);
+        hash = ss_hash_bytes(hash, &friction->held, sizeof friction->held);
     }
     if (local->grasp.is_held) {
         const uint8_t ending[] = {local->grasp.is_ending, local->grasp.is_answered};
@@ -554,6 +570,7 @@ static void take_contact(ss_local_contact_point *c, const ss_contact *from, doub
      * force spike. */
     const double viscosity = fmin(VISCOSITY_TIME * c->model_stiffness, fmax(0.0, from->viscosity));
     c->viscosity = was_touching ? fmax(viscosity, steadying(from, spring, period)) : 0.0;
+    c->coefficient = fmin(COEFFICIENT_MAX, fmax(0.0, from->coefficient));
     c->force = from->gap > 0.0 ? -c->stiffness * from->gap : fmax(0.0, from->force);
 }
 
@@ -592,7 +609,11 @@ void ss_local_contact_hold(ss_local_contact *local, const double p[3], const dou
     ss_local_contact_torque(local, grasp->torque);
     ss_set3(local->residual_torque, 0.0, 0.0, 0.0);
     ss_scale3(grasp->force, local->other.force, local->other.share);
+    if (local->friction.is_used) {
+        ss_add3(grasp->force, grasp->force, local->friction.force);
+    }
     memset(&local->other, 0, sizeof local->other);
+    memset(&local->friction, 0, sizeof local->friction);
     for (int32_t i = 0; i < local->count; ++i) {
         ss_madd3(grasp->force, grasp->force, local->contact[i].last_force,
                  local->contact[i].direction);
@@ -780,6 +801,9 @@ void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *
         }
     } else if (!is_fresh) {
         keep_force(local, &old, source, x, p, pdot);
+    }
+    if (!local->grasp.is_held) {
+        ss_friction_take(local, &result->set, p);
     }
     if (!is_fresh) {
         ss_local_contact_keep_torque(local, torque);

@@ -36,6 +36,9 @@ void ss_local_contact_torque(const ss_local_contact *local, double out[3])
         ss_add3(out, out, torque);
         return;
     }
+    if (local->friction.is_used) {
+        ss_friction_torque(local, out);
+    }
     for (int32_t i = 0; i < local->count; ++i) {
         const ss_local_contact_point *c = &local->contact[i];
         const double force = fmax(0.0, c->last_force - c->offset);

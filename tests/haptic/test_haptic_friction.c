@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* What holds the proxy along the surface between two results, and in a loop with a tissue that has
+ * Coulomb friction. */
+#include "common/test.h"
+#include "haptic_fixture.h"
+
+#define MU 0.3
+#define K  300.0 /* N/m, of the tissue, along and across */
+
+/* ---- the law ---- */
+
+/* One contact, whose normal force is what a test says. */
+static void one_contact(ss_local_contact *local, double stiffness)
+{
+    ss_local_contact_clear(local);
+    local->count = 1;
+    ss_local_contact_point *c = &local->contact[0];
+    c->direction[2] = c->normal[2] = 1.0;
+    c->tangential = c->stiffness = stiffness;
+    c->coefficient = MU;
+    local->friction.is_used = true;
+}
+
+/* Forces of any size come and go while the hand goes anywhere: what the hand puts in is never less
+ * than what the spring holds. */
+TEST(random_walks_never_have_negative_dissipation)
+{
+    for (random_state = 1; random_state <= 20;) {
+        const uint64_t seed = random_state;
+        const double k_t = uniform(10.0, 5000.0), spring = uniform(100.0, 20000.0);
+        ss_local_contact local;
+        ss_balance balance = {.spring = spring, .limit = INFINITY};
+        double hand[3] = {0.0, 0.0, 0.0}, p[3] = {0.0, 0.0, 0.0}, held = 0.0, lost = 0.0;
+        one_contact(&local, k_t);
+        for (int n = 0; n < 20000; ++n) {
+            double before[3], way[3];
+            for (int k = 0; k < 2; ++k) {
+                hand[k] += uniform(-1e-4, 1e-4);
+            }
+            const double jump = uniform(0.0, 1.0);
+            ss_rest rest = {.force = {jump < 0.1 ? 0.0 : 3.0 * jump}};
+            ss_copy3(rest.p, hand);
+            ss_copy3(balance.p_free, hand);
+            ss_set3(balance.other, 0.0, 0.0, 0.0);
+            ss_friction_balance(&local, p, &rest, &balance);
+            ss_copy3(before, p);
+            ss_madd3(p, hand, 1.0 / spring, local.friction.force);
+            ss_sub3(way, p, before);
+            const double *f = local.friction.force;
+            assert_true(ss_norm3(f) <= MU * rest.force[0] * (1.0 + 1e-12));
+            const double now = 0.5 * ss_dot3(f, f) / k_t;
+            const double loss = -ss_dot3(f, way) - (now - held);
+            /* J; what rounding leaves of a spring of some mJ */
+            assert_true(loss >= -1e-18);
+            lost += loss;
+            held = now;
+        }
+        assert_true(lost > 100.0 * held);
+        random_state = seed + 1;
+    }
+}
+
+/* ---- a loop with tissue ---- */
+
+/* Flat tissue with Coulomb friction, by an anchor of its own. */
+typedef struct tissue {
+    double anchor[2];
+    bool was_touching;
+} tissue;
+
+/* A result of the tissue for the last target, a period of `ticks` after it. */
+static void answer(rig *r, tissue *t, int ticks)
+{
+    double predicted[3];
+    ss_haptic_predict(&r->out.target, 1.0, ticks * T, predicted);
+    const double depth = -predicted[2], normal = fmax(0.0, K * depth);
+    rig_result(r, K, depth, ticks);
+    ss_copy3(r->result.proxy, predicted);
+    r->result.period = ticks * T;
+    ss_contact *c = &r->result.set.contact[0];
+    ss_copy3(c->point, predicted);
+    c->coefficient = MU;
+    c->tangential = K;
+    double f[2], size;
+    for (int k = 0; k < 2; ++k) {
+        t->anchor[k] = t->was_touching ? t->anchor[k] : predicted[k];
+        f[k] = K * (t->anchor[k] - predicted[k]);
+    }
+    size = hypot(f[0], f[1]);
+    for (int k = 0; k < 2; ++k) {
+        f[k] *= size > MU * normal ? MU * normal / size : 1.0;
+        t->anchor[k] = predicted[k] + f[k] / K;
+        c->friction[k] = r->result.set.friction[k] = f[k];
+        r->result.set.force[k] = f[k];
+    }
+    t->was_touching = normal > 0.0;
+}
+
+/* A tick with the hand at x, y, z and a result every `ticks`; returns the force on it. */
+static const double *step(rig *r, tissue *t, int ticks, double x, double y, double z)
+{
+    if (r->tick > 0 && r->tick % ticks == 0) {
+        answer(r, t, ticks);
+    }
+    r->pose.position[0] = x;
+    r->pose.position[1] = y;
+    (void)rig_tick(r, z);
+    return r->out.force.force;
+}
+
+/* Pressed 3 mm deep, from outside. */
+static void begin_pressed(rig *r, tissue *t, int ticks)
+{
+    *t = (tissue){{0.0, 0.0}, false};
+    rig_begin(r);
+    for (int n = 0; n <= 800; ++n) {
+        (void)step(r, t, ticks, 0.0, 0.0, 1e-3 - 4e-3 * fmin(1.0, n / 400.0));
+    }
+}
+
+static const int rates[] = {1, 4, 17};
+enum { RATES = sizeof rates / sizeof *rates };
+
+TEST(sticks_then_slides_at_the_limit_against_the_motion)
+{
+    for (int n = 0; n < RATES; ++n) {
+        rig r;
+        tissue t;
+        begin_pressed(&r, &t, rates[n]);
+        const double normal = r.out.force.force[2], cosine = cos(0.7), sine = sin(0.7);
+        double last[3], largest = 0.0;
+        ss_copy3(last, r.out.force.force);
+        for (int i = 1; i <= 1000; ++i) {
+            const double way = 1e-5 * i; /* 10 mm/s */
+            const double *f = step(&r, &t, rates[n], way * cosine, way * sine, r.pose.position[2]);
+            double change[3];
+            ss_sub3(change, f, last);
+            largest = fmax(largest, ss_norm3(change));
+            ss_copy3(last, f);
+            const double along = -(cosine * f[0] + sine * f[1]);
+            assert_true(along <= MU * f[2] * 1.001 + 1e-9);
+            if (K * way < 0.9 * MU * normal) {
+                /* 5 % of a limit: what a prediction half a step ahead is off */
+                assert_near(along, K * way, 0.05 * MU * normal);
+            }
+            if (K * way > 1.3 * MU * normal) {
+                assert_near(along, MU * f[2], 0.02 * MU * f[2]);
+                assert_near(atan2(-f[1], -f[0]), 0.7, 2.0 * 3.14159265 / 180.0);
+            }
+        }
+        assert_true(largest <= 0.02 * normal);
+        rig_end(&r);
+    }
+}
+
+/* A minute at half the limit, with a count of the device to and fro. */
+TEST(a_minute_of_stick_does_not_drift)
+{
+    for (int n = 0; n < RATES; ++n) {
+        rig r;
+        tissue t;
+        begin_pressed(&r, &t, rates[n]);
+        const double z = r.pose.position[2], x = 0.5 * MU * -z;
+        for (int i = 1; i <= 200; ++i) {
+            (void)step(&r, &t, rates[n], x * fmin(1.0, i / 100.0), 0.0, z);
+        }
+        double first[3], mean[3] = {0.0, 0.0, 0.0};
+        ss_copy3(first, r.out.force.force);
+        random_state = 5;
+        for (int i = 0; i < 60000; ++i) {
+            const double count = uniform(0.0, 1.0) < 0.5 ? 0.0 : 30e-6;
+            const double *f = step(&r, &t, rates[n], x + count - 15e-6, 0.0, z);
+            assert_true(fabs(f[0] - first[0]) < 0.1 * fabs(first[0]));
+            if (i >= 59000) {
+                ss_madd3(mean, mean, 1e-3, f);
+            }
+        }
+        assert_near(mean[0] / first[0], 1.0, 0.01);
+        rig_end(&r);
+    }
+}
+
+/* Lifted while it sticks: the friction goes with the normal force, and is gone with the contact. */
+TEST(friction_goes_with_the_normal_force)
+{
+    rig r;
+    tissue t;
+    begin_pressed(&r, &t, 1);
+    double x = 0.0;
+    for (int i = 1; i <= 100; ++i) {
+        x = 8e-6 * i;
+        (void)step(&r, &t, 1, x, 0.0, -0.003);
+    }
+    assert_true(fabs(r.out.force.force[0]) > 0.8 * MU * r.out.force.force[2]);
+    for (int i = 1; i <= 400; ++i) {
+        const double *f = step(&r, &t, 1, x, 0.0, -0.003 + 1e-5 * i);
+        assert_true(hypot(f[0], f[1]) <= MU * fmax(0.0, f[2]) + 0.01 * MU);
+    }
+    assert_near(ss_norm3(r.out.force.force), 0.0, 1e-9);
+    rig_end(&r);
+}
+
+/* A square of 20 mm, sliding: the hand pays mu F along each side; and the observer has counted that
+ * to the joule. */
+TEST(a_loop_costs_the_friction_and_the_observer_counts_it)
+{
+    static const double corner[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
+    for (int n = 0; n < RATES; ++n) {
+        rig r;
+        tissue t;
+        begin_pressed(&r, &t, rates[n]);
+        double paid = 0.0, before[3], last[3] = {0.0, 0.0, r.pose.position[2]}, normal = 0.0;
+        const double z = r.pose.position[2];
+        double counted = 0.0;
+        for (int turn = 0; turn < 2; ++turn) { /* the first begins at rest */
+            paid = normal = 0.0;
+            counted = r.out.energy_from_device_j - r.out.energy_to_device_j;
+            for (int i = 0; i < 8000; ++i) {
+                const int side = i / 2000;
+                const double share = (i % 2000 + 1) / 2000.0;
+                double x[3] = {0.0, 0.0, z}, way[3];
+                for (int k = 0; k < 2; ++k) {
+                    x[k] =
+                        0.020 * (corner[side][k] + share * (corner[side + 1][k] - corner[side][k]));
+                }
+                ss_copy3(before, r.out.force.force);
+                r.pose.force_seq = r.out.force.seq;
+                (void)step(&r, &t, rates[n], x[0], x[1], z);
+                ss_sub3(way, x, last);
+                paid -= ss_dot3(before, way);
+                normal += before[2] / 8000.0;
+                ss_copy3(last, x);
+            }
+            counted = r.out.energy_from_device_j - r.out.energy_to_device_j - counted;
+        }
+        /* At each corner the spring turns: a part of its stretch is the hand's again. */
+        const double stretch = MU * normal / K;
+        assert_near(paid, MU * normal * (0.080 - 4.0 * stretch * 0.5), 0.03 * MU * normal * 0.080);
+        assert_near(counted, paid, 0.01 * paid);
+        rig_end(&r);
+    }
+}
+
+/* Without a coefficient told friction is nothing, whatever a result says. */
+TEST(without_a_coefficient_there_is_none)
+{
+    rig r;
+    rig_begin(&r);
+    (void)rig_press(&r, K, 0.003);
+    for (int i = 0; i < 100; ++i) {
+        rig_result(&r, K, 0.003, 1);
+        r.pose.position[0] = 1e-5 * i;
+        (void)rig_tick(&r, -0.003);
+        assert_near(r.out.force.force[0], 0.0, 0.0);
+    }
+    rig_end(&r);
+}
+
+int main(void)
+{
+    return run_all_tests(NULL, NULL);
+}
