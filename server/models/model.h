@@ -44,18 +44,20 @@ typedef struct ss_model_plan {
     const ss_prescribed *prescribed;
     int32_t prescribed_count;
     ss_tool_plan tool[SOFTSIM_MAX_PROBES];
-    double gravity[3];        /* m/s^2 */
-    double working_force;     /* N; the contact stiffness is chosen from it */
-    double contact_stiffness; /* N/m^3; 0: chosen */
-    double contact_reach;     /* m, of the source weights; 0: max(mean edge, R/2) */
-    int32_t contact_parts;    /* as ss_surface_create takes it; 0: chosen */
-    double max_force;         /* N, the haptic limit: for the penetration warning */
-    double step;              /* s, the outer step the world intends */
-    int32_t max_substeps;     /* that a step may take */
-    int32_t substep_budget;   /* simulation.max_substeps, whether a step is held to it or not: what
-                                 is planned is the same in real time and without a clock; 0: as
-                                 max_substeps */
-    int32_t threads;          /* for set-up work; results do not depend on it */
+    double gravity[3];              /* m/s^2 */
+    double working_force;           /* N; the contact stiffness is chosen from it */
+    double contact_stiffness;       /* N/m^3; 0: chosen */
+    double contact_reach;           /* m, of the source weights; 0: max(mean edge, R/2) */
+    double friction;                /* mu of contact.friction; 0: none */
+    const double *friction_by_node; /* in its place; NULL: the same everywhere */
+    int32_t contact_parts;          /* as ss_surface_create takes it; 0: chosen */
+    double max_force;               /* N, the haptic limit: for the penetration warning */
+    double step;                    /* s, the outer step the world intends */
+    int32_t max_substeps;           /* that a step may take */
+    int32_t substep_budget; /* simulation.max_substeps, whether a step is held to it or not: what
+                               is planned is the same in real time and without a clock; 0: as
+                               max_substeps */
+    int32_t threads;        /* for set-up work; results do not depend on it */
 } ss_model_plan;
 
 /* The value of parameter row `row` in tetrahedron `e`: its own, or the mean of its corners. Thread:
@@ -130,6 +132,7 @@ typedef struct ss_model_class {
     const ss_param_row *row;
     int32_t row_count;
     bool needs_volume;
+    bool takes_friction;     /* its contacts hold the tool along the surface, too */
     bool takes_second_order; /* meshes with nodes in the middle of sides; others are refused */
     bool has_no_energy;      /* a rule for shapes: the energies that info tells are 0 */
     /* Estimated cost of one step in microseconds on the reference core, from counts alone; with a

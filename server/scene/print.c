@@ -196,7 +196,8 @@ static void put_field(printer *p, const ss_scene_row *row)
 /* Is there anything to print for a row without a node? */
 static bool has_default(const ss_scene_row *row)
 {
-    return row->kind <= SS_SCENE_RATE && row->one_of == 0 && !row->is_required;
+    return (row->kind <= SS_SCENE_RATE || row->kind == SS_SCENE_FIELD) && row->one_of == 0 &&
+           !row->is_required;
 }
 
 static void print_table(printer *p, int indent, ss_scene_table table, const ss_scene_node *map);

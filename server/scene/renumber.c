@@ -42,7 +42,9 @@ bool ss_scene_renumber(ss_scene *scene)
         return false;
     }
     const int32_t nodes = mesh->node_count;
-    bool is_done = reorder(scene->fixed, mesh->file_node, nodes, sizeof *scene->fixed);
+    bool is_done =
+        reorder(scene->fixed, mesh->file_node, nodes, sizeof *scene->fixed) &&
+        reorder(scene->friction.per_node, mesh->file_node, nodes, sizeof *scene->friction.per_node);
     for (int32_t i = 0; i < scene->source->model_row_count - 1; i++) {
         ss_param_value *value = &scene->param[i];
         is_done = is_done &&

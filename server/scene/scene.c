@@ -389,6 +389,25 @@ static void take_parameters(ss_scene_loader *l, bool has_mesh)
     }
 }
 
+static void take_friction(ss_scene_loader *l, bool has_mesh)
+{
+    const ss_scene_node *map = good(ss_scene_node_find(l->root, "contact"));
+    ss_scene_node *node = map != NULL ? good(ss_scene_node_find(map, "friction")) : NULL;
+    if (node == NULL) {
+        return;
+    }
+    const ss_scene_row *contact = ss_scene_find_row(ss_scene_root, "contact");
+    const ss_scene_row *row = ss_scene_find_row(contact->child, "friction");
+    ss_param_value *value = &l->scene->friction;
+    value->is_given = true;
+    if (node->kind == SS_SCENE_SCALAR) {
+        char why[96];
+        ss_scene_read_scalar(row, node->text, node->is_quoted, &value->number, why, sizeof why);
+    } else if (has_mesh) {
+        take_field(l, row, node, value);
+    }
+}
+
 /* ---- the whole ---- */
 
 void ss_scene_destroy(ss_scene **scene_pointer)
@@ -418,7 +437,8 @@ void ss_scene_destroy(ss_scene **scene_pointer)
         free(scene->source->model_row);
     }
     ss_mesh_destroy(&scene->mesh);
-    SS_EACH(free, scene->load, scene->prescribed, scene->param, scene->fixed, scene->source, scene);
+    SS_EACH(free, scene->load, scene->prescribed, scene->param, scene->friction.per_node,
+            scene->fixed, scene->source, scene);
     *scene_pointer = NULL;
 }
 
@@ -442,6 +462,7 @@ static void resolve(ss_scene_loader *l)
 {
     take_tools(l);
     const bool has_mesh = take_mesh(l);
+    take_friction(l, has_mesh);
     if (l->model != NULL) {
         take_parameters(l, has_mesh);
     }

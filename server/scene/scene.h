@@ -69,6 +69,7 @@ typedef struct ss_scene {
     ss_scene_prescribed *prescribed;
     int32_t prescribed_count;
     ss_scene_tool tool[SOFTSIM_MAX_PROBES];
+    ss_param_value friction; /* by node where it varies */
     double working_force_n;
     double contact_stiffness_n_per_m3; /* 0: chosen from the working force */
     double simulation_rate_hz;         /* 0: auto */

@@ -171,6 +171,8 @@ static const ss_scene_row contact_row[] = {
         SS_ABOVE(0, 1e3), .fallback = 2, .one_of = 'c', FIELD(working_force_n)),
     ROW(NUMBER, "stiffness_n_per_m3", "contact stiffness, instead of choosing it", .unit = "N/m^3",
         SS_ABOVE(0, 1e15), .one_of = 'c', FIELD(contact_stiffness_n_per_m3)),
+    ROW(FIELD, "friction", "Coulomb's coefficient between tool and tissue; 0 leaves friction out",
+        SS_FROM(0, 10)),
 };
 
 /* ---- simulation, haptic, publish ---- */

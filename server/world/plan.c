@@ -4,6 +4,7 @@
 #include "world/field.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "rt/clock.h"
@@ -116,6 +117,8 @@ ss_model_plan ss_world_plan(const ss_world *world)
                           .prescribed_count = scene->prescribed_count,
                           .working_force = scene->working_force_n,
                           .contact_stiffness = scene->contact_stiffness_n_per_m3,
+                          .friction = scene->friction.number,
+                          .friction_by_node = scene->friction.per_node,
                           .max_force = scene->max_force_n,
                           .step = world->step_period,
                           .max_substeps = world->has_budget ? budget : UNTIMED_SUBSTEPS,
@@ -160,6 +163,33 @@ ss_haptic_config ss_world_probe_config(const ss_world *world, int32_t p)
     ss_haptic_config config = world->haptic_config;
     config.tool_gyration = ss_shape_gyration(&world->scene->tool[p].shape);
     return config;
+}
+
+static bool has_friction(const ss_scene *scene)
+{
+    return scene->friction.number > 0.0 || scene->friction.per_node != NULL;
+}
+
+/* Does the model hold tools along the surface, where the scene wants that? */
+static softsim_status check_friction(const ss_world *world, softsim_error *error)
+{
+    if (!has_friction(world->scene) || world->model_class->takes_friction) {
+        return SOFTSIM_OK;
+    }
+    int32_t count = 0, size = 0;
+    char others[256] = "";
+    const ss_model_class *const *table = ss_model_table(&count);
+    for (int32_t i = 0; i < count; ++i) {
+        if (table[i]->takes_friction && size < (int32_t)sizeof others) {
+            size += snprintf(others + size, sizeof others - (size_t)size, "%s%s",
+                             size > 0 ? ", " : "", table[i]->name);
+        }
+    }
+    softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                      "%s: contact.friction: %s cannot hold a tool along its surface; use a model "
+                      "that can%s%s, or leave friction out",
+                      world->scene->path, world->model_class->name, size > 0 ? ": " : "", others);
+    return SOFTSIM_ERROR_SCENE;
 }
 
 static bool has_tools(const ss_scene *scene)
@@ -327,6 +357,12 @@ static uint64_t hash_plan(const ss_world *world)
     }
     const double rates[4] = {world->period, world->step_period, scene->working_force_n,
                              scene->contact_stiffness_n_per_m3};
+    if (has_friction(scene)) {
+        const ss_param_value *friction = &scene->friction;
+        hash = ss_hash_bytes(hash, &friction->number, sizeof friction->number);
+        hash = ss_hash_bytes(hash, friction->per_node,
+                             friction->per_node ? nodes * sizeof *friction->per_node : 0);
+    }
     return ss_hash_bytes(hash, rates, sizeof rates);
 }
 
@@ -369,6 +405,9 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
                           world->scene->path, world->model_class->name,
                           ss_field_lack(world->scene->field), ss_field_name(world->scene->field),
                           possible);
+    }
+    if (status == SOFTSIM_OK) {
+        status = check_friction(world, error);
     }
     if (status == SOFTSIM_OK) {
         status = build_model(world, options->step_s, error);

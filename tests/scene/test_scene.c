@@ -51,6 +51,25 @@ static const char full[] =
     "prescribed:\n"
     "  - {nodes: [5], displacement_m: [0, 0, 0.001], ramp_s: 0.5, axes: z}\n";
 
+TEST(friction_is_a_number_or_a_value_a_node)
+{
+    ss_scene *s = load_good(full, NULL, 0);
+    assert_near(s->friction.number, 0.0, 0.0);
+    assert_null(s->friction.per_node);
+    ss_scene_destroy(&s);
+    s = load_good(full, (const char *const[]){"contact.friction=0.25"}, 1);
+    assert_near(s->friction.number, 0.25, 0.0);
+    assert_null(s->friction.per_node);
+    ss_scene_destroy(&s);
+    s = load_good(full,
+                  (const char *const[]){
+                      "contact.friction=[{where: {group: top}, value: 0.5}, {value: 0.125}]"},
+                  1);
+    static const double friction[8] = {0.125, 0.125, 0.125, 0.125, 0.5, 0.5, 0.5, 0.5};
+    assert_memory_equal(s->friction.per_node, friction, sizeof friction);
+    ss_scene_destroy(&s);
+}
+
 TEST(gives_every_value_of_a_scene)
 {
     ss_scene *s = load_good(full, NULL, 0);
@@ -614,7 +633,8 @@ TEST(what_is_printed_loads_again)
         full,
         small,
         grain,
-        replace_line(10, "  stiffness_n_per_m3: 123456789.125"),
+        replace_line(10, "  stiffness_n_per_m3: 123456789.125\n"
+                         "  friction: [{where: {group: top}, value: 0.5}, {value: 0.1}]"),
         "softsim: 1\nobject: {grid: {plane: {rows: 3, columns: 4, width_m: 0.3, height_m: 2}}}\n"
         "model: {name: jelly, modulus_j: 1, grain: [1, -2.5, 0]}\n",
         GRID("  grid: {file: points.csv, rows: 3, columns: 2, closed: rows}\n  units: mm\n")};

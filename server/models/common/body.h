@@ -175,7 +175,8 @@ uint64_t ss_body_model_hash(const ss_model *model, uint64_t seed);
  * the model adds nothing to them (SS_BODY_MOTION are the last two). */
 #define SS_BODY_STATE(info_of, ...)                                                                \
     SS_MODEL_STATE(ss_body_model_contacts, ss_body_model_reset, info_of, __VA_ARGS__,              \
-                   ss_body_model_reaction, ss_body_model_hash)
+                   ss_body_model_reaction, ss_body_model_hash),                                    \
+        .takes_friction = true
 #define SS_BODY_MOTION ss_body_model_displacement, ss_body_model_velocity
 
 /* ---- the same of the body, for models that add to it ---- */

@@ -102,6 +102,13 @@ softsim_status ss_body_tools_create(ss_body *body, softsim_error *error)
     if (status != SOFTSIM_OK || body->sigma < 0.0) {
         return SOFTSIM_ERROR_MEMORY;
     }
+    if (body->has_skin && plan->friction_by_node) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "contact.friction: the surface that %s touches with is its own and has "
+                          "no values by node; give one number",
+                          body->own.name);
+        return SOFTSIM_ERROR_SCENE;
+    }
     status = ss_tools_create(&body->tools, body->skin, plan, error);
     for (int k = 0; status == SOFTSIM_OK && k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {

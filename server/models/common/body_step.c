@@ -96,6 +96,7 @@ static void evaluate(ss_body *body, double path, bool has_energies)
         law->force(law->owner, nodes->u, nodes->v, nodes->force, &energy);
     }
     ss_body_add_contact(body, nodes->u, path, nodes->force);
+    body->dissipated += ss_tools_keep_friction(&body->tools);
     body->has_elastic = has_law;
     body->power = energy.power;
     if (has_energies) {
@@ -338,7 +339,7 @@ static void move_tools(ss_body *body, double path)
     if (ss_body_has_contact(body)) {
         const double before = ss_tools_energy(&body->tools);
         ss_body_external(body, body->nodes.u, path);
-        body->work += ss_tools_energy(&body->tools) - before;
+        body->work += ss_tools_energy(&body->tools) + ss_tools_friction_loss(&body->tools) - before;
     }
 }
 

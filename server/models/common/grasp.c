@@ -156,4 +156,5 @@ void ss_contact_set_share(ss_contact_set *set, double stiffness, double viscosit
         contact->tangential = share * stiffness;
         contact->viscosity = share * viscosity;
     }
+    ss_add3(set->force, set->force, set->friction);
 }

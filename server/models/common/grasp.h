@@ -56,5 +56,6 @@ void ss_tool_rotation(const ss_tool_pose *from, const ss_tool_pose *to, double o
  * where there is only one. `set` has a contact. */
 void ss_contact_set_direction(const ss_contact_set *set, double out[3]);
 /* The contacts' forces become the whole reaction along that direction (forces that are not the
- * contacts' own included), and the tool's stiffness and viscosity are shared by force. */
+ * contacts' own included, friction not), and the tool's stiffness and viscosity are shared by
+ * force. The reaction then has the friction in it. */
 void ss_contact_set_share(ss_contact_set *set, double stiffness, double viscosity);

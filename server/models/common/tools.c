@@ -38,6 +38,12 @@ softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int ind
     ss_grasp_init(&tool->grasp, tools->node_count, arena);
     const softsim_status status =
         ss_contact_query_create(tools->surface, tool->shape, &options, &tool->query);
+    tool->has_friction = plan->friction > 0.0 || plan->friction_by_node != NULL;
+    if (status == SOFTSIM_OK && tool->has_friction &&
+        ss_contact_query_add_friction(tool->query, plan->friction, plan->friction_by_node) !=
+            SOFTSIM_OK) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
     return status == SOFTSIM_OK ? ss_arena_status(arena) : status;
 }
 
@@ -47,6 +53,16 @@ void ss_tools_fini(ss_tools *tools)
         ss_contact_query_destroy(&tools->tool[k].query);
     }
     ss_surface_destroy(&tools->surface);
+}
+
+static void forget_friction(ss_tool *tool)
+{
+    ss_set3(tool->friction, 0.0, 0.0, 0.0);
+    ss_set3(tool->friction_torque, 0.0, 0.0, 0.0);
+    tool->rub = (ss_friction_energy){0.0, 0.0};
+    if (tool->has_friction) {
+        ss_contact_query_forget_friction(tool->query);
+    }
 }
 
 void ss_tools_reset(ss_tools *tools)
@@ -62,6 +78,7 @@ void ss_tools_reset(ss_tools *tools)
         ss_set3(tool->force, 0.0, 0.0, 0.0);
         ss_set3(tool->torque, 0.0, 0.0, 0.0);
         ss_set3(tool->along, 0.0, 0.0, 0.0);
+        forget_friction(tool);
     }
 }
 
@@ -118,6 +135,7 @@ ss_tool_news ss_tool_take(ss_tool *tool, const ss_model_tool *input)
     if (!tool->is_present) {
         tool->grasp.count = 0;
         tool->grasp.is_pressed = false;
+        forget_friction(tool);
         return was_present ? SS_TOOL_LOST : SS_TOOL_KEPT;
     }
     tool->from = input->from;
@@ -129,6 +147,7 @@ ss_tool_news ss_tool_take(ss_tool *tool, const ss_model_tool *input)
     /* What jumps lets go: springs stretched at once across the jump are no grasp. */
     if (ss_tool_motion_bound(tool->shape, &tool->pose, &tool->from) > 0.25 * tool->radius) {
         tool->grasp.count = 0;
+        forget_friction(tool);
         return SS_TOOL_LOST;
     }
     return SS_TOOL_MOVED;
@@ -148,6 +167,7 @@ void ss_tools_begin_mean(ss_tools *tools)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_tool *tool = &tools->tool[k];
         ss_set3(tool->impulse, 0.0, 0.0, 0.0);
+        ss_set3(tool->friction_impulse, 0.0, 0.0, 0.0);
         tool->span = 0.0;
     }
 }
@@ -158,6 +178,7 @@ void ss_tools_add_mean(ss_tools *tools, double span)
         ss_tool *tool = &tools->tool[k];
         if (tool->is_present && span > 0.0) {
             ss_madd3(tool->impulse, tool->impulse, span, tool->force);
+            ss_madd3(tool->friction_impulse, tool->friction_impulse, span, tool->friction);
             tool->span += span;
         }
     }
@@ -212,7 +233,44 @@ void ss_tools_accept_fade(ss_tools *tools, bool is_accepted, double *energy)
     }
 }
 
+double ss_tools_keep_friction(ss_tools *tools)
+{
+    const double lost = ss_tools_friction_loss(tools);
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_tool *tool = &tools->tool[k];
+        if (tool->is_present && tool->has_friction) {
+            ss_contact_query_keep_friction(tool->query);
+            tool->rub.lost = 0.0;
+        }
+    }
+    return lost;
+}
+
+double ss_tools_friction_loss(const ss_tools *tools)
+{
+    double lost = 0.0;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        lost += tools->tool[k].is_present ? tools->tool[k].rub.lost : 0.0;
+    }
+    return lost;
+}
+
 /* ---- what a tool presses ---- */
+
+/* A grasp holds the tissue along the surface by itself. */
+static void add_friction(ss_tool *tool, ss_real *force)
+{
+    if (tool->grasp.count > 0) {
+        forget_friction(tool);
+        return;
+    }
+    ss_set3(tool->friction, 0.0, 0.0, 0.0);
+    ss_set3(tool->friction_torque, 0.0, 0.0, 0.0);
+    tool->rub = ss_contact_query_friction(tool->query, &tool->pose, force, tool->friction,
+                                          tool->friction_torque);
+    ss_add3(tool->force, tool->force, tool->friction);
+    ss_add3(tool->torque, tool->torque, tool->friction_torque);
+}
 
 void ss_tools_press(const ss_tools *tools, ss_tool *tool, const ss_real *u, ss_real *force,
                     ss_real *grasp_force)
@@ -221,13 +279,16 @@ void ss_tools_press(const ss_tools *tools, ss_tool *tool, const ss_real *u, ss_r
     ss_set3(tool->torque, 0.0, 0.0, 0.0);
     tool->penalty =
         ss_contact_query_penalty(tool->query, u, &tool->pose, force, tool->force, tool->torque);
+    if (tool->has_friction) {
+        add_friction(tool, force);
+    }
     ss_grasp_add_forces(&tool->grasp, tools->rest, u, &tool->pose, grasp_force, tool->force,
                         tool->torque);
 }
 
 double ss_tool_energy(const ss_tool *tool)
 {
-    return tool->penalty +
+    return tool->penalty + tool->rub.stored +
            (tool->grasp.count > 0 ? tool->grasp.fade * tool->grasp.unfaded_energy : 0.0);
 }
 
@@ -236,7 +297,7 @@ double ss_tools_energy(const ss_tools *tools)
     double energy = 0.0;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         const ss_tool *tool = &tools->tool[k];
-        energy += tool->is_present ? tool->penalty : 0.0;
+        energy += tool->is_present ? tool->penalty + tool->rub.stored : 0.0;
         energy += tool->grasp.count > 0 ? tool->grasp.fade * tool->grasp.unfaded_energy : 0.0;
     }
     return energy;
@@ -311,7 +372,8 @@ static void set_mean(const ss_tool *tool, ss_contact_set *set)
 {
     const double size = ss_norm3(set->force);
     double mean[3];
-    ss_scale3(mean, tool->impulse, 1.0 / tool->span);
+    ss_sub3(mean, tool->impulse, tool->friction_impulse);
+    ss_scale3(mean, mean, 1.0 / tool->span);
     for (int32_t k = 0; k < set->count; ++k) {
         ss_contact *contact = &set->contact[k];
         const double along = size > 0.0 ? contact->force * ss_dot3(mean, set->force) / (size * size)
@@ -320,6 +382,7 @@ static void set_mean(const ss_tool *tool, ss_contact_set *set)
         contact->gap = contact->force > 0.0 ? 0.0 : contact->gap;
     }
     ss_copy3(set->force, mean);
+    ss_scale3(set->friction, tool->friction_impulse, 1.0 / tool->span);
 }
 
 /* What a touch will be felt with until a result answers: the contact as deep as that gets, in
@@ -354,8 +417,10 @@ bool ss_tool_fill_contacts(ss_tool *tool, const ss_real *u, double near, ss_cont
 {
     ss_contact_query_contacts(tool->query, u, &tool->pose, near, out);
     out->is_held = tool->grasp.count > 0;
-    ss_copy3(out->force, tool->force);
+    ss_sub3(out->force, tool->force, tool->friction);
     ss_copy3(out->torque, tool->torque);
+    ss_copy3(out->friction, tool->friction);
+    ss_copy3(out->friction_torque, tool->friction_torque);
     if (tool->span > 0.0 && !out->is_held) {
         set_mean(tool, out);
     }

@@ -10,6 +10,8 @@
  * `penalty` + share x square J (contact.h, grasp.h). Its stiffness is K_c: C x of a motion x of the
  * nodes, its rows' bounds D, and c, the force on the nodes for a unit motion of the tool along n,
  * k_cc that on the tool. Arrays are quads of the surface's nodes.
+ * Where the scene has friction a tool that holds nothing also rubs (contact/friction.c): part of
+ * its force and stiffness, but not of the potential; what it loses is booked when a place is kept.
  * Models keep what is their own of a tool beside it, under the same number.
  * Memory: the arena's, but for touches and surface, which ss_tools_fini releases. Thread: create,
  * open and fini set-up only; the rest by the simulation thread, RT-safe.
@@ -34,11 +36,15 @@ typedef struct ss_tool {
     ss_grasp grasp;
     double force[3], torque[3]; /* on the tool */
     double penalty;             /* J */
-    double felt;                /* N/m, last in contact, */
-    double along[3];            /* along this, in the tool's frame; 0: not in contact */
-    double compliance;          /* m/N, of the body alone: then, or at rest */
-    double impulse[3];          /* N s, of `force` over the end of the step, */
-    double span;                /* s: and how long that was */
+    bool has_friction;
+    double friction[3], friction_torque[3]; /* of force and torque, on the tool */
+    ss_friction_energy rub;                 /* of the friction */
+    double felt;                            /* N/m, last in contact, */
+    double along[3];                        /* along this, in the tool's frame; 0: not in contact */
+    double compliance;                      /* m/N, of the body alone: then, or at rest */
+    double impulse[3];                      /* N s, of `force` over the end of the step, */
+    double friction_impulse[3];             /* of that, the friction's */
+    double span;                            /* s: and how long that was */
 } ss_tool;
 
 typedef struct ss_tools {
@@ -96,6 +102,12 @@ double ss_tools_work(const ss_tools *tools);
 void ss_tools_fade(ss_tools *tools, double h);
 void ss_tools_accept_fade(ss_tools *tools, bool is_accepted, double *energy);
 
+/* The friction's anchors follow to the place of the last evaluation, as after each sub-step:
+ * returns what was lost on the way, J. */
+double ss_tools_keep_friction(ss_tools *tools);
+/* What keeping them there would lose, J. */
+double ss_tools_friction_loss(const ss_tools *tools);
+
 /* ---- what a tool presses ---- */
 
 /* Evaluates at `pose` and displacements u: the tool's force is set, the nodes' added to `force`
@@ -106,7 +118,7 @@ static inline bool ss_tool_is_touching(const ss_tool *tool)
 {
     return tool->penalty > 0.0 || tool->grasp.count > 0;
 }
-/* J: penalty and grasp at the last evaluation. */
+/* J: penalty, grasp and what friction holds, at the last evaluation. */
 double ss_tool_energy(const ss_tool *tool);
 /* Of all that are present. */
 double ss_tools_energy(const ss_tools *tools);
