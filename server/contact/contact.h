@@ -186,11 +186,12 @@ typedef struct ss_friction_energy {
     double stored, lost;
 } ss_friction_energy;
 /* The friction of the samples of the last ss_contact_query_penalty, at its pose, added as that
- * adds its forces; the tangent below has its stiffness from then on. Forces, tool and energy depend
- * on the anchors that were kept last: keep_friction after each place that a step comes to, not
- * after one that it only tries. RT-safe. */
+ * adds its forces; `pressed` is the normal force over the penalty's, 1 where that is all of it; the
+ * tangent below has its stiffness from then on. Forces, tool and energy depend on the anchors that
+ * were kept last: keep_friction after each place that a step comes to, not after one that it only
+ * tries. RT-safe. */
 ss_friction_energy ss_contact_query_friction(ss_contact_query *query, const ss_tool_pose *pose,
-                                             ss_real *force, double tool_force[3],
+                                             double pressed, ss_real *force, double tool_force[3],
                                              double tool_torque[3]);
 void ss_contact_query_keep_friction(ss_contact_query *query);
 /* Nothing is anchored any more: the tool was away, or elsewhere, or holds the tissue. RT-safe. */

@@ -198,7 +198,7 @@ static void add_forces(const ss_contact_query *query, const ss_group *group, ss_
 }
 
 ss_friction_energy ss_contact_query_friction(ss_contact_query *query, const ss_tool_pose *pose,
-                                             ss_real *force, double tool_force[3],
+                                             double pressed, ss_real *force, double tool_force[3],
                                              double tool_torque[3])
 {
     ss_contact_friction *friction = query->friction;
@@ -214,7 +214,7 @@ ss_friction_energy ss_contact_query_friction(ss_contact_query *query, const ss_t
         const int32_t slot = friction->slot[group->triangle];
         const ss_group *old = slot > 0 ? &friction->kept.group[slot - 1] : NULL;
         const ss_real scale = ss_contact_query_scale(query, group->triangle);
-        const double coefficient = (double)friction->coefficient[group->triangle];
+        const double coefficient = pressed * (double)friction->coefficient[group->triangle];
         int32_t at = old != NULL ? old->first : 0;
         next->group[g] = *group;
         for (int32_t i = group->first; i < group->first + group->count; ++i) {

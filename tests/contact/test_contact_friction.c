@@ -25,7 +25,7 @@ static void try(const ss_tool_pose *pose, double out_friction[3])
     penalty(pose);
     ss_set3(out_friction, 0.0, 0.0, 0.0);
     const ss_friction_energy energy =
-        ss_contact_query_friction(query, pose, force, out_friction, torque);
+        ss_contact_query_friction(query, pose, 1.0, force, out_friction, torque);
     lost = energy.lost;
     stored = energy.stored;
 }

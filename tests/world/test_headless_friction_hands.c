@@ -15,7 +15,8 @@ typedef struct row {
     double rate_hz, delay_ms;
 } row;
 
-TEST(hands_are_handed_no_more_than_without_friction)
+/* A surface of z = `height` under a ball of `radius`, m. */
+static void play_all(const char *path, double x, double y, double height, double radius)
 {
     static const row rows[] = {
         {SS_SCRIPT_SLIDE, SS_BODY_LIGHT, SS_GRIP_SOFT, 1000, 0},
@@ -26,21 +27,16 @@ TEST(hands_are_handed_no_more_than_without_friction)
         {SS_SCRIPT_TAP, SS_BODY_LIGHT, SS_GRIP_FIRM, 60, 0},
     };
     static const char *const set[] = {"contact.friction=0.3"};
-    static const body b = {"corotational", NULL,     "  name: corotational\n" ELASTIC,
-                           NULL,           ON_BLOCK, 0.0};
-    static const ss_felt_place place = {.point = {0.0, 0.0, 0.020},
-                                        .normal = {0.0, 0.0, 1.0},
-                                        .along = {1.0, 0.0, 0.0},
-                                        .orientation = {1.0, 0.0, 0.0, 0.0},
-                                        .reach_m = 0.008,
-                                        .depth_m = 0.003,
-                                        .slide_m = 0.020,
-                                        .radius_m = 0.008,
-                                        .working_force_n = 2.0};
-    char path[256];
+    const ss_felt_place place = {.point = {x, y, height},
+                                 .normal = {0.0, 0.0, 1.0},
+                                 .along = {1.0, 0.0, 0.0},
+                                 .orientation = {1.0, 0.0, 0.0, 0.0},
+                                 .reach_m = radius,
+                                 .depth_m = 0.003,
+                                 .slide_m = 0.020,
+                                 .radius_m = radius,
+                                 .working_force_n = 2.0};
     softsim_error error = {.status = SOFTSIM_OK};
-    write_block_mesh();
-    (void)snprintf(path, sizeof path, "%s", write_block(&b));
     for (size_t k = 0; k < FULL_IN_RELEASE(sizeof rows / sizeof *rows, 1); ++k) {
         const ss_hand_run run = {.script = rows[k].script,
                                  .body = rows[k].body,
@@ -62,6 +58,20 @@ TEST(hands_are_handed_no_more_than_without_friction)
         assert_true(out.is_passive);
         assert_true(out.felt.chatter_m.value < 0.05e-3);
     }
+}
+
+TEST(hands_on_a_block_are_handed_no_more_than_without_friction)
+{
+    static const body b = {"corotational", NULL,     "  name: corotational\n" ELASTIC,
+                           NULL,           ON_BLOCK, 0.0};
+    write_block_mesh();
+    play_all(write_block(&b), 0.0, 0.0, 0.020, 0.008);
+}
+
+TEST(hands_on_a_volume_of_the_kidney_are_handed_no_more_than_without_friction)
+{
+    SKIP_WHERE_REPEATED();
+    play_all(SOURCE_DIR "/server/scenes/kidney-tissue.yaml", 0.0, 0.006, 0.0223, 0.005);
 }
 
 int main(void)

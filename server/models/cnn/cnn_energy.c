@@ -435,6 +435,9 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
         hash = ss_tool_hash_felt(base, hash);
         hash = ss_hash_bytes(hash, &tool->source.reference, sizeof tool->source.reference);
         hash = ss_grasp_hash(&base->grasp, hash);
+        if (base->has_friction) {
+            hash = ss_contact_query_hash_friction(base->query, hash);
+        }
     }
     return hash;
 }
@@ -466,4 +469,4 @@ SS_MODEL_CLASS(
                    ss_cnn_step, ss_cnn_explain),
     SS_MODEL_STATE(ss_cnn_contacts, reset, info, displacement, velocity, ss_cnn_reaction,
                    hash_state),
-    .potential = &ss_cnn_potential, .set = set);
+    .potential = &ss_cnn_potential, .set = set, .takes_friction = true);

@@ -154,8 +154,8 @@ static double feel(ss_model *model, ss_cnn_tool *tool, const double normal[3], d
  * them across the contacts, where the tissue is soft on one side, as at a thin edge. */
 static void set_other_force(const double origin[3], ss_contact_set *set)
 {
-    ss_copy3(set->other_force, set->force);
-    ss_copy3(set->other_torque, set->torque);
+    ss_sub3(set->other_force, set->force, set->friction);
+    ss_sub3(set->other_torque, set->torque, set->friction_torque);
     for (int32_t k = 0; k < set->count; ++k) {
         const ss_contact *contact = &set->contact[k];
         double arm[3], force[3], torque[3];

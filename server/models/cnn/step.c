@@ -155,6 +155,11 @@ static void add_contact(ss_model *model, ss_cnn_tool *tool, const ss_real *u, do
     tool->base->penalty =
         ss_contact_query_penalty(tool->base->query, u, &tool->base->pose, model->force,
                                  tool->base->force, tool->base->torque);
+    if (tool->base->has_friction) {
+        double penalty[3];
+        ss_sub3(penalty, tool->base->force, tool->frozen_force);
+        ss_tool_rub(tool->base, penalty, tool->frozen_force, model->force);
+    }
     if (tool->is_fading) {
         ss_cnn_source_add_fading(model, tool);
     }
@@ -672,6 +677,7 @@ static bool try_substep(ss_model *model, progress *p)
         loads = ss_cnn_loads_work(model);
         prepare(model, next);
         ss_cnn_source_let_go(model);
+        model->dissipated += ss_tools_friction_loss(&model->tools);
         gain = energy_balance(model) - loads - balance;
         /* A gain that no hand feels is rounding, as under a tool that stands beside the body. */
         const double energy = model->elastic + model->kinetic;
@@ -688,6 +694,7 @@ static bool try_substep(ss_model *model, progress *p)
         return p->rejected < MAX_REJECTED;
     }
     ss_tools_accept_fade(&model->tools, true, &model->dissipated);
+    (void)ss_tools_keep_friction(&model->tools);
     damp_gain(model, gain);
     model->work += loads;
     model->load_work += loads;

@@ -420,18 +420,6 @@ static void explain_tool(const ss_body *body, int index, const ss_notes *out)
     ss_tool_say_limits(tool, index, &body->plan, ss_surface_mean_edge(body->tools.surface), out);
 }
 
-static void explain_friction(const ss_model_plan *plan, const ss_notes *out)
-{
-    if (plan->friction_by_node) {
-        ss_note_used(out, "contact.friction", "by node, a spring along the surface each sample");
-    } else if (plan->friction > 0.0) {
-        ss_note_used(out, "contact.friction", "%.3g, a spring along the surface each sample",
-                     plan->friction);
-    } else {
-        ss_note_left_out(out, "friction", "contact.friction is 0");
-    }
-}
-
 void ss_body_explain(const ss_body *body, const ss_notes *out)
 {
     const double share = body->own.step_share * body->bound;
@@ -470,7 +458,7 @@ void ss_body_explain(const ss_body *body, const ss_notes *out)
     if (body->tools.surface) {
         ss_note_used(out, "contact", "%lld samples",
                      (long long)ss_surface_sample_count(body->tools.surface));
-        explain_friction(&body->plan, out);
+        ss_tools_say_friction(&body->plan, out);
     } else {
         ss_note_left_out(out, "contact", "no tool");
     }

@@ -16,6 +16,10 @@
 #define TOUCH_WAY   0.5
 #define LEAST_TOUCH 0.007
 
+/* What presses a tool beside its samples counts up to so many times their force: where they hardly
+ * touch they hold nothing. */
+#define MOST_PRESSED 4.0
+
 /* ---- set-up ---- */
 
 softsim_status ss_tools_create(ss_tools *tools, const ss_mesh *mesh, const ss_model_plan *plan,
@@ -123,6 +127,18 @@ void ss_tools_warn_unheld(const ss_tools *tools, bool is_held, const ss_notes *o
         ss_note_warning(out, "object.fixed",
                         "the supports do not hold the body: a tool pushes it away; hold more of it "
                         "with object.fixed");
+    }
+}
+
+void ss_tools_say_friction(const ss_model_plan *plan, const ss_notes *out)
+{
+    if (plan->friction_by_node) {
+        ss_note_used(out, "contact.friction", "by node, a spring along the surface each sample");
+    } else if (plan->friction > 0.0) {
+        ss_note_used(out, "contact.friction", "%.3g, a spring along the surface each sample",
+                     plan->friction);
+    } else {
+        ss_note_left_out(out, "friction", "contact.friction is 0");
     }
 }
 
@@ -257,17 +273,20 @@ double ss_tools_friction_loss(const ss_tools *tools)
 
 /* ---- what a tool presses ---- */
 
-/* A grasp holds the tissue along the surface by itself. */
-static void add_friction(ss_tool *tool, ss_real *force)
+void ss_tool_rub(ss_tool *tool, const double penalty[3], const double beside[3], ss_real *force)
 {
+    const double square = ss_dot3(penalty, penalty);
+    /* A grasp holds the tissue along the surface by itself. */
     if (tool->grasp.count > 0) {
         forget_friction(tool);
         return;
     }
+    const double more = square > 0.0 ? ss_dot3(beside, penalty) / square : 0.0;
     ss_set3(tool->friction, 0.0, 0.0, 0.0);
     ss_set3(tool->friction_torque, 0.0, 0.0, 0.0);
-    tool->rub = ss_contact_query_friction(tool->query, &tool->pose, force, tool->friction,
-                                          tool->friction_torque);
+    tool->rub = ss_contact_query_friction(tool->query, &tool->pose,
+                                          fmin(MOST_PRESSED, fmax(0.0, 1.0 + more)), force,
+                                          tool->friction, tool->friction_torque);
     ss_add3(tool->force, tool->force, tool->friction);
     ss_add3(tool->torque, tool->torque, tool->friction_torque);
 }
@@ -280,7 +299,8 @@ void ss_tools_press(const ss_tools *tools, ss_tool *tool, const ss_real *u, ss_r
     tool->penalty =
         ss_contact_query_penalty(tool->query, u, &tool->pose, force, tool->force, tool->torque);
     if (tool->has_friction) {
-        add_friction(tool, force);
+        const double all[3] = {tool->force[0], tool->force[1], tool->force[2]};
+        ss_tool_rub(tool, all, (const double[3]){0.0, 0.0, 0.0}, force);
     }
     ss_grasp_add_forces(&tool->grasp, tools->rest, u, &tool->pose, grasp_force, tool->force,
                         tool->torque);

@@ -75,6 +75,9 @@ void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *pla
 /* Warns of a body that its supports do not hold, where a tool could push it. */
 void ss_tools_warn_unheld(const ss_tools *tools, bool is_held, const ss_notes *out);
 
+/* Is there friction, and of what? */
+void ss_tools_say_friction(const ss_model_plan *plan, const ss_notes *out);
+
 /* ---- on the way ---- */
 
 typedef enum ss_tool_news {
@@ -114,6 +117,9 @@ double ss_tools_friction_loss(const ss_tools *tools);
  * (NULL: the penalty's are not wanted) and `grasp_force`. */
 void ss_tools_press(const ss_tools *tools, ss_tool *tool, const ss_real *u, ss_real *force,
                     ss_real *grasp_force);
+/* The friction that goes with the penalty just evaluated, added to both; `beside` (N): what pushes
+ * the tool beside the penalty and presses it to the tissue, too; 0: nothing. */
+void ss_tool_rub(ss_tool *tool, const double penalty[3], const double beside[3], ss_real *force);
 static inline bool ss_tool_is_touching(const ss_tool *tool)
 {
     return tool->penalty > 0.0 || tool->grasp.count > 0;
