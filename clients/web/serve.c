@@ -3,10 +3,13 @@
 #include "serve.h"
 
 #include <libwebsockets.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 
 #include "softsim/client.h"
 
@@ -16,23 +19,33 @@ enum {
     LINES_BURST = 200,
     BROWSERS = 32,
     CONNECTIONS = 128,
-    CHUNK = 16384, /* bytes of a file at once */
+    GUESTS = 48,    /* connections that are no browsers' sockets, at once */
+    UNSENT = 16384, /* bytes for a browser that wait in the kernel */
+    CHUNK = 16384,  /* bytes of a file at once */
     PATH_SIZE = 256,
     REFUSED = 1 /* of callbacks: answered already */
 };
 
 typedef struct browser browser;
 
+/* A connection that is no browser's WebSocket: no head yet, or only half, or a file under way. */
+typedef struct guest {
+    struct lws *wsi;
+    int64_t seen_ns; /* when it last got on */
+} guest;
+
 struct ss_serve {
     struct lws_context *context;
     struct lws_vhost *vhost;
     ss_hub *hub;
-    char token[128];
+    char host[32], token[128];
     bool is_loopback;
     int32_t port;
     int32_t browsers;
     int64_t last_browser;
     atomic_bool is_news;
+    guest guests[CONNECTIONS];
+    int32_t guest_count;
 };
 
 /* Of one connection; zero at first. */
@@ -96,10 +109,10 @@ static int add_cookie(const ss_serve *serve, struct lws *wsi, unsigned char **at
         wsi, (const unsigned char *)"set-cookie:", (const unsigned char *)cookie, length, at, end);
 }
 
-/* Does HOST[:PORT] name this machine's loopback? */
-static bool is_own_name(const char *host)
+/* Does HOST[:PORT] name this machine's loopback, or the address that it listens on? */
+static bool is_own_name(const ss_serve *serve, const char *host)
 {
-    static const char *const names[] = {"localhost", "127.0.0.1"};
+    const char *const names[] = {"localhost", "127.0.0.1", serve->host};
     const size_t length = strcspn(host, ":");
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         if (strlen(names[i]) == length && strncmp(host, names[i], length) == 0) {
@@ -114,23 +127,91 @@ static bool is_own_origin(const ss_serve *serve, struct lws *wsi)
 {
     char host[PATH_SIZE] = "", origin[PATH_SIZE] = "";
     if (lws_hdr_copy(wsi, host, sizeof host, WSI_TOKEN_HOST) < 1 ||
-        (serve->is_loopback && !is_own_name(host))) {
+        (serve->is_loopback && !is_own_name(serve, host))) {
         return false;
     }
     if (lws_hdr_total_length(wsi, WSI_TOKEN_ORIGIN) == 0) {
         return true;
     }
-    static const char *const schemes[] = {"http://", "https://"};
-    if (lws_hdr_copy(wsi, origin, sizeof origin, WSI_TOKEN_ORIGIN) < 1) {
-        return false;
-    }
-    for (size_t i = 0; i < sizeof schemes / sizeof schemes[0]; ++i) {
-        const size_t length = strlen(schemes[i]);
-        if (strncmp(origin, schemes[i], length) == 0 && strcmp(origin + length, host) == 0) {
-            return true;
+    static const char scheme[] = "http://";
+    return lws_hdr_copy(wsi, origin, sizeof origin, WSI_TOKEN_ORIGIN) > 0 &&
+           strncmp(origin, scheme, sizeof scheme - 1) == 0 &&
+           strcmp(origin + sizeof scheme - 1, host) == 0;
+}
+
+/* ---- guests ---- */
+
+/* Who opens connections and says nothing on them must not keep others out: there is room for so
+ * many, and a new one has the place of the one that has not got on for longest. */
+
+static guest *find_guest(ss_serve *serve, const struct lws *wsi)
+{
+    for (int32_t i = 0; i < serve->guest_count; ++i) {
+        if (serve->guests[i].wsi == wsi) {
+            return &serve->guests[i];
         }
     }
-    return false;
+    return NULL;
+}
+
+static void remove_guest(ss_serve *serve, const struct lws *wsi)
+{
+    guest *leaving = find_guest(serve, wsi);
+    if (leaving != NULL) {
+        *leaving = serve->guests[--serve->guest_count];
+    }
+}
+
+/* It has said all of a request, or taken a piece of a file. */
+static void note_guest(ss_serve *serve, const struct lws *wsi)
+{
+    guest *known = find_guest(serve, wsi);
+    if (known != NULL) {
+        known->seen_ns = softsim_client_now_ns();
+    }
+}
+
+static guest *longest_idle(ss_serve *serve)
+{
+    guest *idle = &serve->guests[0];
+    for (int32_t i = 1; i < serve->guest_count; ++i) {
+        idle = serve->guests[i].seen_ns < idle->seen_ns ? &serve->guests[i] : idle;
+    }
+    return idle;
+}
+
+/* Has it said something that was not looked at yet? */
+static bool has_spoken(struct lws *wsi)
+{
+    char byte = 0;
+    return recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+}
+
+/* Before a new one comes. At once: a library that has as many connections as it may (4.1.6) loses
+ * track of others. */
+static void make_room(ss_serve *serve)
+{
+    if (serve->guest_count < GUESTS) {
+        return;
+    }
+    guest *idle = longest_idle(serve);
+    for (int32_t k = 0; k < serve->guest_count && has_spoken(idle->wsi); ++k) {
+        note_guest(serve, idle->wsi);
+        idle = longest_idle(serve);
+    }
+    /* The first time it is said goodbye to, and would have ten seconds to answer. */
+    struct lws *leaving = idle->wsi;
+    for (int k = 0; k < 2 && find_guest(serve, leaving) != NULL; ++k) {
+        lws_set_timeout(leaving, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_SYNC);
+    }
+}
+
+static void add_guest(ss_serve *serve, struct lws *wsi)
+{
+    if (serve->guest_count < CONNECTIONS) {
+        serve->guests[serve->guest_count++] =
+            (guest){.wsi = wsi, .seen_ns = softsim_client_now_ns()};
+    }
 }
 
 /* ---- files ---- */
@@ -158,7 +239,7 @@ static int begin_file(const ss_serve *serve, struct lws *wsi, browser *b, const 
     return 0;
 }
 
-static int send_file(struct lws *wsi, browser *b)
+static int send_file(ss_serve *serve, struct lws *wsi, browser *b)
 {
     unsigned char chunk[LWS_PRE + CHUNK];
     const size_t left = (size_t)(b->end - b->at);
@@ -168,6 +249,7 @@ static int send_file(struct lws *wsi, browser *b)
     }
     memcpy(chunk + LWS_PRE, b->at, size);
     b->at += size;
+    note_guest(serve, wsi);
     const bool is_last = b->at == b->end;
     if (lws_write(wsi, chunk + LWS_PRE, size, is_last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
         (int)size) {
@@ -185,6 +267,7 @@ static int serve_file(ss_serve *serve, struct lws *wsi, browser *b)
 {
     static const char recordings[] = "/recordings/";
     char path[PATH_SIZE] = "";
+    note_guest(serve, wsi);
     if (!is_own_origin(serve, wsi) || !has_token(serve, wsi)) {
         return refuse(wsi, HTTP_STATUS_FORBIDDEN);
     }
@@ -314,6 +397,15 @@ static int tell(ss_serve *serve, struct lws *wsi, browser *b)
     return written < (int)size ? -1 : 0;
 }
 
+/* The system takes more of a frame only when little is left of those before, so that on a slow link
+ * what is new waits here, where the newest is sent, and not there, behind all that is old. */
+static void keep_little_unsent(struct lws *wsi)
+{
+    const int unsent = UNSENT;
+    (void)setsockopt(lws_get_socket_fd(wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent,
+                     sizeof unsent);
+}
+
 static int open_browser(ss_serve *serve, struct lws *wsi, browser *b)
 {
     *b = (browser){.is_open = true,
@@ -321,6 +413,8 @@ static int open_browser(ss_serve *serve, struct lws *wsi, browser *b)
                    .lines_left = LINES_BURST,
                    .line_ns = softsim_client_now_ns()};
     ++serve->browsers;
+    remove_guest(serve, wsi);
+    keep_little_unsent(wsi);
     lws_callback_on_writable(wsi);
     return 0;
 }
@@ -360,10 +454,19 @@ static int handle(struct lws *wsi, enum lws_callback_reasons reason, void *user,
     ss_serve *serve = lws_context_user(lws_get_context(wsi));
     browser *b = user;
     switch (reason) {
+    case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
+        make_room(serve);
+        return 0;
+    case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
+        add_guest(serve, wsi);
+        return 0;
+    case LWS_CALLBACK_WSI_DESTROY:
+        remove_guest(serve, wsi);
+        return 0;
     case LWS_CALLBACK_HTTP:
         return serve_file(serve, wsi, b);
     case LWS_CALLBACK_HTTP_WRITEABLE:
-        return send_file(wsi, b);
+        return send_file(serve, wsi, b);
     case LWS_CALLBACK_HTTP_FILE_COMPLETION:
         return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
     case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
@@ -416,6 +519,7 @@ softsim_status ss_serve_open(const ss_serve_config *config, ss_serve **out_serve
     }
     lws_set_log_level(0, NULL);
     snprintf(serve->token, sizeof serve->token, "%s", config->token != NULL ? config->token : "");
+    snprintf(serve->host, sizeof serve->host, "%s", config->host);
     serve->is_loopback = strncmp(config->host, "127.", 4) == 0;
     const struct lws_context_creation_info info = {
         .port = config->port,

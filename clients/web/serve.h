@@ -17,9 +17,11 @@
  *
  * Any page of the web may ask a browser to connect here, so an origin that is not ours is refused
  * (403), and on loopback a Host that does not name this machine too, since a name of an attacker's
- * may be made to resolve to it. With a token, everything but the token's own address (/?token=T,
- * /ws?token=T) is refused; beyond loopback there has to be one. At most 32 browsers; one that does
- * not answer a ping in 20 s is gone.
+ * may be made to resolve to it. The address that is listened to is a name of this machine, and a
+ * page of ours comes by http: nothing is encrypted here. With a token, everything but the token's
+ * own address (/?token=T, /ws?token=T) is refused; beyond loopback there has to be one. At most 32
+ * browsers; one that does not answer a ping in 20 s is gone. Of other connections 48: a new one has
+ * the place of the one that has not got on for longest, so that silent ones keep nobody out.
  * Thread: main.
  */
 #include <stdbool.h>

@@ -10,6 +10,7 @@
 #include <dirent.h>
 #include <inttypes.h>
 #include <math.h>
+#include <netinet/in.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,25 +22,34 @@
 #include "process/process.h"
 #include "rt/random.h"
 
-enum { TEXT = 1, BINARY = 2, CLOSE = 8, PING = 9, PONG = 10, MESSAGE_SIZE = 1 << 20, CROWD = 100 };
+enum { TEXT = 1, BINARY = 2, CLOSE = 8, PING = 9, PONG = 10, MESSAGE_SIZE = 1 << 20 };
 enum { TOPOLOGY_FRAME = 1, DELTA_FRAME = 2, FIELD_FRAME = 3, FORCE_FRAME = 4, STATE_FORCE = 17 };
 
 static process server, web;
+static const char *address = "127.0.0.1"; /* of softsim-web */
 static int port;
 
 /* ---- sockets ---- */
 
-static int dial(void)
+/* `room`: bytes that wait for it to be read, 0 for what the system thinks best. */
+static int dial_with_room(int room)
 {
     const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    const struct sockaddr_in address = {.sin_family = AF_INET,
-                                        .sin_port = htons((uint16_t)port),
-                                        .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    struct sockaddr_in place = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
+    inet_pton(AF_INET, address, &place.sin_addr);
     const struct timeval patience = {.tv_sec = (time_t)HANG_S};
     setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    if (room > 0) {
+        setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
+    }
+    assert_int_equal(connect(fd, (const struct sockaddr *)&place, sizeof place), 0);
     return fd;
+}
+
+static int dial(void)
+{
+    return dial_with_room(0);
 }
 
 static bool say(int fd, const void *data, size_t size)
@@ -90,33 +100,42 @@ static int ask(const char *request)
 static int get(const char *path, const char *more)
 {
     char request[2048];
-    snprintf(request, sizeof request, "GET %s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n%s\r\n", path, port,
-             more);
+    snprintf(request, sizeof request, "GET %s HTTP/1.1\r\nHost: %s:%d\r\n%s\r\n", path, address,
+             port, more);
     return ask(request);
 }
 
 /* ---- a browser ---- */
 
-static int upgrade(const char *path, const char *more, int *out_status)
+static int upgrade_on(int fd, const char *path, const char *more)
 {
     char request[1024], head[4096];
-    const int fd = dial();
     snprintf(request, sizeof request,
-             "GET %s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nConnection: Upgrade\r\nUpgrade: "
+             "GET %s HTTP/1.1\r\nHost: %s:%d\r\nConnection: Upgrade\r\nUpgrade: "
              "websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
              "dGhlIHNhbXBsZSBub25jZQ==\r\n%s\r\n",
-             path, port, more);
+             path, address, port, more);
     say(fd, request, strlen(request));
-    *out_status = hear_head(fd, head, sizeof head);
+    return hear_head(fd, head, sizeof head);
+}
+
+static int upgrade(const char *path, const char *more, int *out_status)
+{
+    const int fd = dial();
+    *out_status = upgrade_on(fd, path, more);
+    return fd;
+}
+
+static int open_browser_with_room(int room)
+{
+    const int fd = dial_with_room(room);
+    assert_int_equal(upgrade_on(fd, "/ws", ""), 101);
     return fd;
 }
 
 static int open_browser(void)
 {
-    int status = 0;
-    const int fd = upgrade("/ws", "", &status);
-    assert_int_equal(status, 101);
-    return fd;
+    return open_browser_with_room(0);
 }
 
 /* A masked frame, as a browser sends it. */
@@ -245,11 +264,11 @@ static void start_web(const char *host, const char *token, const char *record_di
     if (!process_wait_for(&web, " in a browser")) {
         fail_msg("%s", web.err);
     }
-    const char *address = strstr(web.err, "open http://");
-    assert_non_null(address);
-    address = strchr(address + sizeof "open http://" - 1, ':');
-    assert_non_null(address);
-    port = atoi(address + 1);
+    const char *told = strstr(web.err, "open http://");
+    assert_non_null(told);
+    told = strchr(told + sizeof "open http://" - 1, ':');
+    assert_non_null(told);
+    port = atoi(told + 1);
 }
 
 static void stop_web(int status)
@@ -321,9 +340,36 @@ TEST_WITH(only_pages_of_ours_get_in, NULL, end_web)
     assert_int_equal(status, 403);
     close(upgrade("/elsewhere", "", &status));
     assert_int_equal(status, 404);
+    snprintf(origin, sizeof origin, "Origin: https://127.0.0.1:%d\r\n", port);
+    close(upgrade("/ws", origin, &status)); /* the page is http, and only that */
+    assert_int_equal(status, 403);
     snprintf(origin, sizeof origin, "Origin: http://127.0.0.1:%d\r\n", port);
     close(upgrade("/ws", origin, &status));
     assert_int_equal(status, 101);
+    stop_web(0);
+}
+
+static int end_elsewhere(void **state)
+{
+    address = "127.0.0.1";
+    return end_web(state);
+}
+
+TEST_WITH(another_address_of_loopback_is_its_own_name, NULL, end_elsewhere)
+{
+    int status = 0;
+    char line[128];
+    address = "127.0.0.2";
+    start_web(address, NULL, NULL);
+    assert_int_equal(get("/", ""), 200);
+    snprintf(line, sizeof line, "Origin: http://127.0.0.2:%d\r\n", port);
+    close(upgrade("/ws", line, &status));
+    assert_int_equal(status, 101);
+    snprintf(line, sizeof line, "GET / HTTP/1.1\r\nHost: localhost:%d\r\n\r\n", port);
+    assert_int_equal(ask(line), 200);
+    assert_int_equal(ask("GET / HTTP/1.1\r\nHost: 127.0.0.3\r\n\r\n"), 403);
+    assert_int_equal(ask("GET / HTTP/1.1\r\nHost: 127.0.0.22\r\n\r\n"), 403);
+    assert_int_equal(ask("GET / HTTP/1.1\r\nHost: attacker.example\r\n\r\n"), 403);
     stop_web(0);
 }
 
@@ -353,6 +399,9 @@ TEST_WITH(beyond_loopback_only_with_the_token, NULL, end_web)
 TEST_WITH(a_browser_sees_the_body_and_pushes_it, NULL, end_web)
 {
     start_web("127.0.0.1", NULL, NULL);
+    const int first = open_browser(); /* of whom it is not said what comes first */
+    expect_text(first, "\"type\": \"scene\"");
+    close(first);
     const int fd = open_browser();
     expect_text(fd, "\"type\": \"scene\", \"name\": \"kidney.yaml\", \"model\": \"cnn-energy\"");
     assert_non_null(strstr((const char *)message, "\"form\": \"sphere\", \"size\": [0.005"));
@@ -401,13 +450,26 @@ TEST_WITH(a_browser_sees_the_body_and_pushes_it, NULL, end_web)
     stop_web(0);
 }
 
-/* Presses half a millimetre into the kidney until `frames` frames of that kind have come. */
-static void press(int fd, int kind, int frames)
+/* The time of the newest force in a frame of them. */
+static float newest_time(void)
+{
+    uint16_t samples = 0;
+    float time_s = 0.0F;
+    memcpy(&samples, message + 2, sizeof samples);
+    assert_true(samples > 0);
+    memcpy(&time_s, message + 4 + 27 * 4 + 16 * (samples - 1), sizeof time_s);
+    return time_s;
+}
+
+/* `frames` forces of a tool that goes in and out, so that the body moves all the time. */
+static float press_in_and_out(int fd, int frames)
 {
     for (int i = 0; i < frames; ++i) {
-        assert_true(send_line(fd, "aim 0 0 0.006 0.0258 1 0 0 0 0"));
-        expect_frame(fd, kind);
+        assert_true(send_line(fd, i / 8 % 2 == 0 ? "aim 0 0 0.006 0.0238 1 0 0 0 0"
+                                                 : "aim 0 0 0.006 0.0268 1 0 0 0 0"));
+        expect_frame(fd, FORCE_FRAME);
     }
+    return newest_time();
 }
 
 /* Whatever else the server has to say of itself. */
@@ -437,7 +499,7 @@ TEST_WITH(a_late_browser_gets_the_forces_of_before, NULL, end_web)
     start_web("127.0.0.1", NULL, NULL);
     const int early = open_browser();
     expect_frame(early, TOPOLOGY_FRAME);
-    press(early, FORCE_FRAME, FRAMES);
+    press_in_and_out(early, FRAMES);
     const int late = open_browser();
     size_t size = 0;
     while (hear_frame(late, &size) != BINARY) {
@@ -457,10 +519,10 @@ TEST_WITH(a_server_that_starts_again_is_shown_afresh, NULL, end_web)
 {
     start_web("127.0.0.1", NULL, NULL);
     const int fd = open_browser();
+    expect_frame(fd, TOPOLOGY_FRAME);
     expect_text(fd, "\"type\": \"status\"");
     const double session = number_of("\"session\": ");
-    expect_frame(fd, TOPOLOGY_FRAME);
-    press(fd, DELTA_FRAME, 3);
+    press_in_and_out(fd, 60);
     send_line(fd, "drop");
     process_signal(&server, SIGTERM);
     assert_int_equal(process_finish(&server), 0);
@@ -558,6 +620,7 @@ TEST_WITH(a_recording_can_be_fetched_and_read, NULL, end_web)
 
 TEST_WITH(the_hostile_are_sent_away_and_the_rest_served, NULL, end_web)
 {
+    enum { CROWD = 200, ROUNDS = 40 };
     char line[1024];
     start_web("127.0.0.1", NULL, NULL);
     const int good = open_browser();
@@ -596,16 +659,25 @@ TEST_WITH(the_hostile_are_sent_away_and_the_rest_served, NULL, end_web)
     }
     expect_end(fd);
 
-    /* A crowd of which nobody says more than half a word, then one that says nothing at all. */
-    int crowd[CROWD];
-    for (int i = 0; i < CROWD; ++i) {
-        crowd[i] = dial();
-        say(crowd[i], "GET / HT", i % 2 == 0 ? 8 : 0);
+    /* Crowds of which nobody says more than half a word, or anything at all: there is room for the
+     * next who says it all, again and again, while they stand there. */
+    static int crowd[2][CROWD];
+    for (int round = 0; round < ROUNDS; ++round) {
+        int *crowd_now = crowd[round % 2];
+        for (int i = 0; i < CROWD; ++i) {
+            if (round >= 2) {
+                close(crowd_now[i]);
+            }
+            crowd_now[i] = dial();
+            say(crowd_now[i], "GET / HT", i % 2 == 0 ? 8 : 0);
+        }
+        assert_int_equal(get("/", ""), 200);
     }
     send_line(good, "command status");
     expect_text(good, "\"type\": \"reply\", \"code\": 0");
     for (int i = 0; i < CROWD; ++i) {
-        close(crowd[i]);
+        close(crowd[0][i]);
+        close(crowd[1][i]);
     }
     assert_int_equal(get("/", ""), 200);
     static char long_request[70000];
@@ -750,6 +822,7 @@ TEST_WITH(floods_of_random_input_leave_nothing_behind, NULL, end_web)
 /* A hundred who want a WebSocket: of those who may, as many as there is room for; then the next. */
 TEST_WITH(a_crowd_gets_what_room_there_is, NULL, end_web)
 {
+    enum { CROWD = 100 };
     int crowd[CROWD], status = 0, served = 0;
     start_web("127.0.0.1", "a-secret-of-ours", NULL);
     for (int i = 0; i < CROWD; ++i) {
@@ -802,17 +875,69 @@ TEST_WITH(a_probe_is_let_go_however_its_browser_goes, NULL, end_web)
     stop_web(0);
 }
 
-/* One that never reads is left behind, and nobody else with it. */
+/* What softsim-web's side of a connection has not got rid of, in bytes. */
+static unsigned count_unsent(int fd)
+{
+    char line[512];
+    struct sockaddr_in own;
+    socklen_t size = sizeof own;
+    unsigned local = 0, remote = 0, waiting = 0;
+    assert_int_equal(getsockname(fd, (struct sockaddr *)&own, &size), 0);
+    FILE *file = fopen("/proc/net/tcp", "r");
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file) != NULL) {
+        if (sscanf(line, " %*d: %*x:%x %*x:%x %*x %x", &local, &remote, &waiting) == 3 &&
+            local == (unsigned)port && remote == ntohs(own.sin_port)) {
+            fclose(file);
+            return waiting;
+        }
+    }
+    fclose(file);
+    fail_msg("no connection from port %d", ntohs(own.sin_port));
+    return 0;
+}
+
+/* One that never reads is left behind with what the surface takes, and nobody else with it. */
 TEST_WITH(who_does_not_read_holds_up_nobody, NULL, end_web)
 {
+    enum { ROOM = 4096, FRAMES = 200, MOST = 1 << 17 };
     start_web("127.0.0.1", NULL, NULL);
-    const int asleep = open_browser(), awake = open_browser();
-    for (int i = 0; i < 40; ++i) {
-        send_line(awake, "aim 0 0 0.006 0.0258 1 0 0 0 0");
-        expect_frame(awake, FORCE_FRAME);
-    }
+    const int asleep = open_browser_with_room(ROOM), awake = open_browser();
+    expect_frame(awake, TOPOLOGY_FRAME);
+    press_in_and_out(awake, FRAMES);
+    const unsigned stalled = count_unsent(asleep);
+    assert_true(stalled > ROOM); /* it does stall */
+    press_in_and_out(awake, FRAMES);
+    assert_int_equal(count_unsent(asleep), stalled); /* and nothing more waits for it */
+    assert_true(stalled < MOST);
+    send_line(awake, "command status");
+    expect_text(awake, "\"type\": \"reply\", \"code\": 0");
     close(asleep);
     close(awake);
+    stop_web(0);
+}
+
+/* One that has not read for a while gets what is new then, after what little was on its way. */
+TEST_WITH(a_slow_browser_skips_to_the_newest, NULL, end_web)
+{
+    enum { ROOM = 4096, FRAMES = 300 };
+    start_web("127.0.0.1", NULL, NULL);
+    const int slow = open_browser_with_room(ROOM), quick = open_browser();
+    expect_frame(quick, TOPOLOGY_FRAME);
+    press_in_and_out(quick, 1);
+    expect_frame(slow, TOPOLOGY_FRAME);
+    expect_frame(slow, FORCE_FRAME);
+    const float now_s = press_in_and_out(quick, FRAMES);
+    int stale = 0;
+    do {
+        expect_frame(slow, FORCE_FRAME);
+        ++stale;
+    } while (newest_time() < now_s);
+    if (stale > FRAMES / 2) {
+        fail_msg("%d frames before it was told of now", stale);
+    }
+    close(slow);
+    close(quick);
     stop_web(0);
 }
 
