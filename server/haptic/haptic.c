@@ -15,7 +15,7 @@
 
 #include <string.h>
 
-#include "haptic/internal.h"
+#include "haptic/state.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -23,47 +23,6 @@
 enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS };
 
 #define STOP_TIME 0.005 /* s: of a proxy whose grasp is let go */
-
-struct ss_haptic {
-    ss_haptic_config config;
-    /* state: device */
-    bool has_pose;
-    softsim_pose pose;
-    int64_t pose_tick;
-    uint32_t epoch;
-    /* It came back before its ramp was over: what it left is ramped down first. */
-    bool is_returning;
-    softsim_pose left_pose;
-    ss_motion motion;
-    bool is_pressed;
-    int64_t press_tick;
-    /* state: proxy and tissue */
-    double p[3], pdot[3];
-    ss_yield yield;
-    ss_slip slip;
-    ss_admission admission;
-    ss_local_contact local;
-    bool is_fault;
-    int64_t result_tick;
-    double model_force[3], surface_point[3], surface_normal[3], surface_depth, surface_proxy[3];
-    double inside_depth; /* m, 0: the tissue holds the tool off, or is not near */
-    /* state: output */
-    int32_t bad_streak;
-    int64_t bad_inputs;
-    uint32_t grasp_edges, teleports, entries;
-    uint32_t starts;        /* resets and resumes so far, */
-    uint32_t placed_starts; /* and when the proxy was placed */
-    double last_force[3];
-    double shift[3];  /* m, from the hand to the pose used: what is not let in yet */
-    double ramp_from; /* N, the force before a ramp */
-    /* Of these, what they were without the damping of passivity.c: the contacts', whose torque is
-     * felt. The damper acts on the hand's point and has none. */
-    double last_undamped[3], undamped_ramp_from;
-    uint64_t digest;
-    ss_haptic_output output;
-    ss_observer observer;
-    ss_passivity passivity;
-};
 
 /* ---- poses ---- */
 
@@ -178,18 +137,10 @@ static void step_admission(ss_haptic *haptic, const ss_haptic_input *input, begi
     }
 }
 
-/* The pose that counts for the tissue: while a device that returned is ramped down, the one it
- * left. */
-static const softsim_pose *held_pose(const ss_haptic *haptic)
-{
-    return haptic->is_returning && haptic->admission.phase == SS_PHASE_RAMPING ? &haptic->left_pose
-                                                                               : &haptic->pose;
-}
-
 /* The pose and hand velocity that the coupling sees. */
 static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
 {
-    const softsim_pose *pose = held_pose(haptic);
+    const softsim_pose *pose = ss_haptic_held_pose(haptic);
     ss_copy3(x, pose->position);
     ss_copy3(v, haptic->motion.v);
     if (pose != &haptic->pose) {
@@ -251,7 +202,7 @@ static void use_result(ss_haptic *haptic, const ss_simulation_result *result, in
         ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
     ss_local_contact_take(local, result, &haptic->config, tick, haptic->yield.spring,
-                          held_pose(haptic)->orientation, at, haptic->p, haptic->pdot,
+                          ss_haptic_held_pose(haptic)->orientation, at, haptic->p, haptic->pdot,
                           is_first || result->is_found_inside);
     const bool is_near =
         ss_local_contact_surface(local, haptic->pose.position, normal, point, &depth);
@@ -349,19 +300,12 @@ static double slew_step(const ss_haptic *haptic, int64_t tick)
     return ticks * haptic->config.max_slew * haptic->config.period;
 }
 
-/* dF/dx along the normal within a result: coupling and law in series. */
-static double felt_stiffness(const ss_haptic *haptic, const double normal[3])
-{
-    const double k = ss_local_contact_stiffness_along(&haptic->local, normal);
-    return k > 0.0 ? haptic->yield.spring * k / (haptic->yield.spring + k) : 0.0;
-}
-
 static void update_limit(ss_haptic *haptic, int64_t tick)
 {
     ss_slip *slip = &haptic->slip;
     const bool is_lowered =
         ss_slip_follow(slip, &haptic->config, slew_step(haptic, tick), ss_norm3(haptic->last_force),
-                       felt_stiffness(haptic, slip->direction));
+                       ss_haptic_felt_stiffness(haptic, slip->direction));
     if (is_lowered) {
         /* The proxy goes out as fast as that asks: what is viscous in the tissue holds it back. */
         haptic->local.viscosity_fraction = 1.0;
@@ -477,158 +421,6 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
 
 /* ---- output ---- */
 
-static int32_t age_us(const ss_haptic *haptic, int64_t tick)
-{
-    const double age = (double)(tick - haptic->result_tick) * haptic->config.period * 1e6;
-    return haptic->result_tick == 0 ? 0 : (int32_t)fmin(age, INT32_MAX);
-}
-
-/* Normal, point and depth of the tissue's surface as of the last result, at the newest pose; of a
- * tool inside the tissue, the depth as of that result. As a plane it has no end: a tool that
- * has come out on the far side while its proxy is held on this one is no deeper than the body is
- * thick. */
-static void write_surface(const ss_haptic *haptic, bool is_in_contact, bool is_inside,
-                          softsim_force *force)
-{
-    const ss_local_contact *local = &haptic->local;
-    int32_t strongest = 0;
-    for (int32_t i = 1; i < local->count; ++i) {
-        strongest =
-            local->contact[i].last_force > local->contact[strongest].last_force ? i : strongest;
-    }
-    ss_copy3(force->normal,
-             local->count > 0 ? local->contact[strongest].direction : haptic->surface_normal);
-    double move[3];
-    ss_sub3(move, haptic->p, haptic->surface_proxy);
-    ss_madd3(move, move, -ss_dot3(move, force->normal), force->normal);
-    ss_add3(force->point, haptic->surface_point, move);
-    force->depth = 0.0;
-    if (is_in_contact) {
-        double inward[3];
-        ss_sub3(inward, haptic->surface_proxy, held_pose(haptic)->position);
-        const double depth = haptic->surface_depth + ss_dot3(haptic->surface_normal, inward);
-        force->depth = fmin(fmax(0.0, depth), haptic->config.thickness);
-    }
-    if (is_inside) {
-        force->depth = fmin(haptic->inside_depth, haptic->config.thickness);
-    }
-}
-
-/* After 24 days at 1 kHz the numbers begin again. */
-static int32_t next_seq(int32_t seq)
-{
-    return seq < INT32_MAX ? seq + 1 : 1;
-}
-
-/* What of the force the admission lets through; nothing of one that begins within a ramp. */
-static double gain_of(const ss_haptic *haptic)
-{
-    const bool is_new = haptic->admission.phase == SS_PHASE_RAMPING && !(haptic->ramp_from > 0.0);
-    return is_new ? 0.0 : ss_admission_gain(&haptic->admission);
-}
-
-static void write_force(ss_haptic *haptic, const ss_haptic_input *input, const double sent[3],
-                        const double undamped[3], int32_t flags)
-{
-    softsim_force *force = &haptic->output.force;
-    const double size = ss_norm3(undamped);
-    const int32_t active = ss_local_contact_active_count(&haptic->local);
-    const bool is_in_contact = active > 0 && gain_of(haptic) > 0.0;
-    force->seq = next_seq(force->seq);
-    force->sender = haptic->pose.sender;
-    force->probe = haptic->pose.probe;
-    force->pose_seq = haptic->pose.seq;
-    force->pose_utime_us = haptic->pose.utime_us;
-    force->model_age_us = age_us(haptic, input->tick);
-    const bool is_inside = haptic->inside_depth > 0.0 && gain_of(haptic) > 0.0;
-    /* A decaying force still counts as contact; so does a tool inside the tissue. */
-    const bool is_felt = is_in_contact || is_inside || ss_norm3(sent) > 0.0;
-    force->contact_count = is_in_contact ? active : is_felt ? 1 : 0;
-    force->flags = flags | (is_felt ? SOFTSIM_FORCE_CONTACT : 0) |
-                   (haptic->local.grasp.is_held ? SOFTSIM_FORCE_GRASPING : 0);
-    ss_copy3(force->force, sent);
-    ss_set3(force->torque, 0.0, 0.0, 0.0);
-    if (haptic->config.tool_gyration > 0.0 && size > 0.0 && is_felt) {
-        ss_local_contact_felt_torque(&haptic->local, force->torque);
-        /* While the slew holds back a force that falls, its torque may be gone. */
-        ss_scale3(force->torque, force->torque, fmin(1.0, ss_norm3(haptic->last_undamped) / size));
-    }
-    ss_copy3(force->model_force, haptic->model_force);
-    ss_copy3(force->proxy, haptic->p);
-    write_surface(haptic, is_in_contact, is_inside, force);
-    const int32_t hidden = SOFTSIM_FORCE_LIMITED | SOFTSIM_FORCE_RAMPING;
-    double tissue[3][3];
-    /* Over the span in which a client corrects with it. */
-    ss_local_contact_tangent(&haptic->local, haptic->observer.delay_p50, tissue);
-    force->stiffness = is_in_contact && (flags & hidden) == 0
-                           ? ss_yield_felt(&haptic->yield, tissue, force->normal)
-                           : 0.0;
-}
-
-/* Of a motion the share `led` along `out`, and across it what friction does not hold. */
-static void lead(const double motion[3], const double out[3], double led, double held,
-                 double out_led[3])
-{
-    const double along = ss_dot3(motion, out);
-    ss_madd3(out_led, motion, (led - 1.0) * along, out);
-    if (held > 0.0) {
-        double across[3];
-        ss_madd3(across, motion, -along, out);
-        ss_madd3(out_led, out_led, -held, across);
-    }
-}
-
-static void write_target(ss_haptic *haptic, const ss_haptic_input *input, const double v[3])
-{
-    ss_proxy_target *target = &haptic->output.target;
-    target->tick = input->tick;
-    target->pose_seq = haptic->pose.seq;
-    target->is_present = haptic->admission.phase != SS_PHASE_SILENT;
-    target->is_grasping = haptic->is_pressed && target->is_present;
-    target->grasp_edges = haptic->grasp_edges;
-    target->teleports = haptic->teleports;
-    target->entries = haptic->entries;
-    target->starts = haptic->placed_starts;
-    ss_copy3(target->proxy, haptic->p);
-    memcpy(target->orientation, held_pose(haptic)->orientation, sizeof target->orientation);
-    /* Where the coupling yields to the limit the hand sinks in without the proxy. */
-    const double *out = haptic->slip.direction;
-    const double fraction = haptic->slip.stiffness_fraction;
-    const double led = fraction * (1.0 - felt_stiffness(haptic, out) / haptic->yield.spring);
-    const double held = haptic->local.friction.held;
-    lead(v, out, led, held, target->velocity);
-    target->room =
-        ss_local_contact_room(&haptic->local, haptic->p, haptic->slip.limit, target->outward);
-    if (haptic->config.tool_gyration > 0.0 && held_pose(haptic) == &haptic->pose) {
-        ss_copy3(target->turn, haptic->motion.turn);
-    } else {
-        ss_set3(target->turn, 0.0, 0.0, 0.0);
-    }
-    ss_motion_acceleration(&haptic->motion, target->acceleration);
-    lead(target->acceleration, out, led, held, target->acceleration);
-    if (haptic->slip.is_kept) {
-        ss_copy3(target->velocity, haptic->pdot);
-        ss_set3(target->acceleration, 0.0, 0.0, 0.0);
-    }
-}
-
-static void write_sums(ss_haptic *haptic)
-{
-    const ss_observer *observer = &haptic->observer;
-    ss_haptic_output *output = &haptic->output;
-    output->has_force = haptic->has_pose;
-    output->worst_contact_j = observer->worst;
-    output->contact_j = observer->is_in_contact ? observer->energy : 0.0;
-    output->energy_to_device_j = observer->to_device;
-    output->energy_from_device_j = observer->from_device;
-    output->stiffness_limit = ss_passivity_limit(&haptic->passivity, observer);
-    output->stiffness_backoffs = haptic->passivity.backoffs;
-    output->damped_ticks = haptic->passivity.actions;
-    output->loop_delay_ms[0] = 1e3 * observer->delay_p50;
-    output->loop_delay_ms[1] = 1e3 * observer->delay_p95;
-    output->bad_inputs = haptic->bad_inputs;
-}
-
 /* What the observer must know of a force later on, and what the lockstep hash remembers of it. */
 static void remember_force(ss_haptic *haptic, int64_t tick)
 {
@@ -648,7 +440,7 @@ static void remember_force(ss_haptic *haptic, int64_t tick)
 static void book_entry(ss_haptic *haptic, const double x[3], const double sent[3])
 {
     double shift[3], change[3], mean[3];
-    ss_sub3(shift, x, held_pose(haptic)->position);
+    ss_sub3(shift, x, ss_haptic_held_pose(haptic)->position);
     ss_sub3(change, shift, haptic->shift);
     ss_add3(mean, haptic->last_force, sent);
     haptic->output.let_in_j = -0.5 * ss_dot3(mean, change);
@@ -660,7 +452,7 @@ static void book_entry(ss_haptic *haptic, const double x[3], const double sent[3
 static void repeat_force(ss_haptic *haptic, int64_t tick)
 {
     if (haptic->has_pose) {
-        haptic->output.force.seq = next_seq(haptic->output.force.seq);
+        haptic->output.force.seq = ss_haptic_next_seq(haptic->output.force.seq);
     }
     haptic->output.force.flags |= SOFTSIM_FORCE_PREDICTED;
     haptic->output.target.tick = tick;
@@ -668,14 +460,14 @@ static void repeat_force(ss_haptic *haptic, int64_t tick)
     if (haptic->has_pose) {
         remember_force(haptic, tick);
     }
-    write_sums(haptic);
+    ss_haptic_write_sums(haptic);
 }
 
 /* The ramp's share of a force, and the slew limit from `last` on; true where that limits it. */
 static bool ramp_and_limit_slew(const ss_haptic *haptic, int64_t tick, const double whole[3],
                                 const double last[3], double *inout_ramp_from, double out_sent[3])
 {
-    const double gain = gain_of(haptic);
+    const double gain = ss_haptic_gain(haptic);
     ss_scale3(out_sent, whole, gain);
     if (haptic->admission.phase == SS_PHASE_RAMPING) {
         /* The local contact model's offsets still change during the ramp; they must not raise the
@@ -795,7 +587,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
             haptic->slip.stiffness_fraction < 1.0 ? 1.0 : ss_admission_left(&haptic->admission),
             haptic->yield.spring + haptic->config.damping / haptic->config.period,
             haptic->motion.speed);
-        ss_local_contact_turn(&haptic->local, held_pose(haptic)->orientation);
+        ss_local_contact_turn(&haptic->local, ss_haptic_held_pose(haptic)->orientation);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
         update_grasp(haptic, input, is_fresh, x);
@@ -813,8 +605,8 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
                                   &haptic->undamped_ramp_from, undamped);
         if (ss_is_finite(sent, 3) && ss_is_finite(haptic->p, 3)) {
             ss_copy3(haptic->last_undamped, undamped);
-            write_force(haptic, input, sent, unscaled, flags);
-            write_target(haptic, input, v);
+            ss_haptic_write_force(haptic, input, sent, unscaled, flags);
+            ss_haptic_write_target(haptic, input, v);
             book_entry(haptic, x, sent);
             remember_force(haptic, tick);
         } else {
@@ -825,6 +617,6 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
             repeat_force(haptic, tick);
         }
     }
-    write_sums(haptic);
+    ss_haptic_write_sums(haptic);
     *output = haptic->output;
 }

@@ -4,15 +4,19 @@
 /*
  * The parts of one haptic tick, shared by the files of this folder and by its tests.
  *
- * admission.c  the admission gate: ramps (watchdog, pause, fault, stop), entry into tissue
- * local_contact.c        the local contact model as a law affine in the proxy, offsets, grasp
- * friction.c   what holds the proxy along the surface
- * coupling.c   the yielding spring between hand and proxy, the balance, the force limit
- * yield.c      the spring's stiffness, which follows the tissue's
- * slip.c       what the force limit and a grasp let go leave between hand and proxy
- * observer.c   energy per contact, loop delay, stiffness limit
- * passivity.c  damping and less stiffness where a contact hands out energy
- * haptic.c     the tick
+ * admission.c     the admission gate: ramps (watchdog, pause, fault, stop), entry into tissue
+ * local_contact.c the local contact model as a law affine in the proxy, offsets, grasp
+ * local_decay.c   how what an update changed decays
+ * local_torque.c  the torque of a tool with extent, and its turn
+ * friction.c      what holds the proxy along the surface
+ * coupling.c      the yielding spring between hand and proxy, the balance, the force limit
+ * yield.c         the spring's stiffness, which follows the tissue's
+ * slip.c          what the force limit and a grasp let go leave between hand and proxy
+ * motion.c        the hand's velocity, acceleration and turn
+ * observer.c      energy per contact, loop delay, stiffness limit
+ * passivity.c     damping and less stiffness where a contact hands out energy
+ * haptic.c        the tick
+ * output.c        what it tells
  *
  * Symbols: x pose used, p proxy, p- proxy of the tick before, v hand velocity, T period,
  * n normal out of the tissue, F force on the hand. SI units, world frame. All functions RT-safe.
@@ -122,6 +126,8 @@ typedef struct ss_local_friction {
     double arm[3];             /* m, from the tool's origin to the middle of the contacts, then */
     double turned[3];          /* m: the way of that by the turn, in the last tick */
 } ss_local_friction;
+
+#define SS_OFFSET_TIME_MIN 0.004 /* s, the least in which an offset decays */
 
 typedef struct ss_local_contact {
     bool is_known; /* a result was taken since the proxy was placed */
