@@ -40,6 +40,9 @@ typedef int32_t group_more(const void *owner, const uint8_t *is_in, int32_t *out
 static bool carry_groups(const ss_mesh *from, const int32_t *number, ss_mesh *to, group_more *more,
                          const void *owner)
 {
+    if (from->group_count == 0) {
+        return true;
+    }
     uint8_t *is_in = ss_memory_get((size_t)from->node_count, 1);
     int32_t *list = ss_memory_get((size_t)to->node_count, sizeof *list);
     to->group = ss_memory_get((size_t)from->group_count, sizeof *to->group);
