@@ -424,6 +424,9 @@ softsim_status ss_hub_open(const ss_hub_config *config, ss_hub **out_hub, softsi
                                          .ring_bytes = RECORDER_ROOM};
     softsim_status status = ss_recorder_open(&recorder, &hub->recorder, error);
     if (status == SOFTSIM_OK) {
+        /* A browser begins with 0, and is told of all once. */
+        hub->silence_version = hub->hand_version = 1;
+        hub->recording_version = ss_recorder_version(hub->recorder);
         status = softsim_client_open(&client, &hub->client, error);
     }
     if (status == SOFTSIM_OK && pthread_create(&hub->thread, NULL, run, hub) != 0) {

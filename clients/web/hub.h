@@ -26,7 +26,7 @@
  *   hand       holder of the mouse's probe (you, another browser, nobody); probe, -1 when nobody;
  *              refused: another program has it; devices: probes that other programs move
  *   recording  is_recording, fault, files, lost: messages that the last one lacks since the disk
- *              was too slow
+ *              was too slow; is_temporary: the files go when softsim-web ends
  * session is another number for each start of a server; with it the surface comes anew, at rest.
  *
  * A recording is an LCM log of all that is heard, poses included: softsim-replay plays it, and
@@ -46,7 +46,7 @@ typedef struct ss_hub ss_hub;
 typedef struct ss_hub_config {
     const char *lcm_url, *prefix; /* as of softsim_client_config */
     const char *record_dir;       /* must exist */
-    bool is_temporary;            /* recordings are removed at the end */
+    bool is_temporary;            /* finished recordings are removed at the end */
     void (*wake)(void *context);  /* there is something new; from the hub's thread, at most each
                                      sixtieth of a second, and twice a second in any case */
     void *context;
@@ -56,7 +56,7 @@ typedef struct ss_hub_config {
 typedef struct ss_hub_view {
     int64_t browser; /* its number, not 0 */
     ss_body_copy body;
-    uint64_t scene, status, hand, recording, silence; /* versions */
+    uint64_t scene, status, hand, recording, silence; /* versions, from 1 */
     uint64_t reply;                                   /* of the last reply that was looked at */
     uint64_t sample[SOFTSIM_MAX_PROBES];              /* number of the next one */
 } ss_hub_view;

@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "process.h"
-#include "rt/files.h"
 #include "rt/plain.h"
 #include "rt/thread.h"
 #include "softsim/log.h"
@@ -134,7 +133,8 @@ void ss_recorder_tell(ss_recorder *recorder, FILE *out)
             comma = ", ";
         }
     }
-    fprintf(out, "], \"lost\": %" PRIu64 "}", atomic_load(&recorder->lost));
+    fprintf(out, "], \"lost\": %" PRIu64 ", \"is_temporary\": %s}", atomic_load(&recorder->lost),
+            recorder->config.is_temporary ? "true" : "false");
     pthread_mutex_unlock(&recorder->lock);
 }
 
@@ -334,20 +334,6 @@ void ss_recorder_want(ss_recorder *recorder, bool is_wanted)
 
 /* ---- opening ---- */
 
-/* Also what is left of one that failed. */
-static void remove_temporary(const recording *last, const ss_recorder_config *config)
-{
-    char *part = NULL;
-    if (!config->is_temporary) {
-        return;
-    }
-    remove(last->path);
-    if (!last->is_finished && asprintf(&part, "%s" SS_FILES_PART, last->path) >= 0) {
-        remove(part);
-        free(part);
-    }
-}
-
 void ss_recorder_close(ss_recorder **recorder)
 {
     ss_recorder *r = *recorder;
@@ -360,7 +346,9 @@ void ss_recorder_close(ss_recorder **recorder)
         pthread_join(r->thread, NULL);
     }
     for (int32_t i = 0; i < r->count; ++i) {
-        remove_temporary(&r->recordings[i], &r->config);
+        if (r->config.is_temporary && r->recordings[i].is_finished) {
+            remove(r->recordings[i].path);
+        }
         free(r->recordings[i].path);
     }
     if (r->wake >= 0) {
@@ -383,6 +371,7 @@ softsim_status ss_recorder_open(const ss_recorder_config *config, ss_recorder **
         return SOFTSIM_ERROR_MEMORY;
     }
     recorder->config = *config;
+    atomic_store(&recorder->version, 1);
     ss_process_init_lock(&recorder->lock);
     recorder->wake = ss_wake_open();
     recorder->ring = malloc(config->ring_bytes);

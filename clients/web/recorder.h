@@ -9,7 +9,8 @@
  *
  * The ring is bounded: what finds no room in it while the disk is slow is left out and counted. One
  * recording and all of a run together are bounded too; who asks for more is refused, and nothing
- * that was recorded is removed to make room.
+ * that was recorded is removed to make room. What could not be finished stays where the fault says
+ * that it is, since nobody could fetch it.
  * Rejected: a queue under a lock (the hub's thread would wait for whoever holds it), an unbounded
  * queue (a disk that stands still fills the memory).
  */
@@ -24,7 +25,7 @@ typedef struct ss_recorder ss_recorder;
 
 typedef struct ss_recorder_config {
     const char *folder;              /* must exist, and outlive the recorder */
-    bool is_temporary;               /* recordings are removed at the end */
+    bool is_temporary;               /* finished recordings are removed at the end */
     int64_t most_bytes, most_in_all; /* of one recording, of all together */
     int32_t most_files;
     uint32_t ring_bytes; /* a power of two */
@@ -43,10 +44,10 @@ void ss_recorder_want(ss_recorder *recorder, bool is_wanted);
  * Thread: one. */
 void ss_recorder_take(ss_recorder *recorder, int64_t utime_us, const char *channel,
                       const void *data, int32_t size);
-/* Grows whenever ss_recorder_tell has something new. Thread: any; never waits. */
+/* From 1; grows whenever ss_recorder_tell has something new. Thread: any; never waits. */
 uint64_t ss_recorder_version(const ss_recorder *recorder);
 /* JSON: is a recording under way, what went wrong, the finished files, how many messages of the
- * last recording were lost. Thread: any. */
+ * last recording were lost, whether the files go at the end. Thread: any. */
 void ss_recorder_tell(ss_recorder *recorder, FILE *out);
 /* The path of a finished recording of that name, which must be one of this run; NULL for every
  * other name; valid until the end. Thread: any. */

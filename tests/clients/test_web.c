@@ -142,6 +142,32 @@ TEST_WITH(a_browser_sees_the_body_and_pushes_it, NULL, end_web)
     stop_web(0);
 }
 
+/* What it knows may be of a softsim-web before this one. A reply comes after all texts there are.
+ */
+TEST_WITH(a_browser_is_told_at_first_all_that_is, NULL, end_web)
+{
+    static const char *const told[2][3] = {
+        {"\"silent\", \"is_silent\": false", "\"hand\", \"holder\": \"nobody\"",
+         "\"is_temporary\": true"},
+        {"\"silent\", \"is_silent\": false", "\"hand\", \"holder\": \"nobody\"",
+         "\"is_temporary\": false"}};
+    for (int k = 0; k < 2; ++k) {
+        unsigned heard = 0;
+        start_web("127.0.0.1", NULL, k == 0 ? NULL : folder);
+        const int fd = open_browser();
+        send_line(fd, "command status");
+        do {
+            expect_text(fd, "\"type\": ");
+            for (unsigned i = 0; i < 3; ++i) {
+                heard |= strstr((const char *)message, told[k][i]) != NULL ? 1U << i : 0;
+            }
+        } while (strstr((const char *)message, "\"type\": \"reply\"") == NULL);
+        assert_int_equal(heard, 7);
+        close(fd);
+        stop_web(0);
+    }
+}
+
 /* Whatever else the server has to say of itself. */
 TEST_WITH(a_browser_knows_that_the_server_is_paused, NULL, end_web)
 {

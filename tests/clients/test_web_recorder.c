@@ -4,6 +4,7 @@
  * counted, nothing grows without a limit. */
 #include "common/test.h"
 
+#include <errno.h>
 #include <semaphore.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -17,10 +18,10 @@
 
 enum { MESSAGE = 1000, ROOM = 1 << 16 };
 
-/* ---- a disk that stands still ---- */
+/* ---- a disk that stands still, or is full ---- */
 
 static sem_t stalled, going_on;
-static atomic_bool is_slow;
+static atomic_bool is_slow, is_full;
 
 int __real_fflush(FILE *file);
 int __wrap_fflush(FILE *file);
@@ -31,6 +32,10 @@ int __wrap_fflush(FILE *file)
         sem_post(&stalled);
         while (sem_wait(&going_on) != 0) {
         }
+    }
+    if (atomic_exchange(&is_full, false)) {
+        errno = ENOSPC;
+        return EOF;
     }
     return __real_fflush(file);
 }
@@ -67,17 +72,22 @@ static int begin(void **state)
     return 0;
 }
 
+static void tell(void)
+{
+    size_t size = 0;
+    free(told);
+    told = NULL;
+    FILE *out = open_memstream(&told, &size);
+    assert_non_null(out);
+    ss_recorder_tell(recorder, out);
+    fclose(out);
+}
+
 /* Until it says `part`. */
 static void expect(const char *part)
 {
     do {
-        size_t size = 0;
-        free(told);
-        told = NULL;
-        FILE *out = open_memstream(&told, &size);
-        assert_non_null(out);
-        ss_recorder_tell(recorder, out);
-        fclose(out);
+        tell();
         usleep(1000);
     } while (strstr(told, part) == NULL);
 }
@@ -264,6 +274,32 @@ TEST_WITH(temporary_recordings_go_at_the_end, begin, close_recorder)
     }
     ss_recorder_close(&recorder);
     assert_int_equal(rmdir(folder), 0);
+    assert_int_equal(mkdir(folder, 0700), 0);
+}
+
+/* What the page names as kept is kept; what it could offer goes with the folder. */
+TEST_WITH(what_the_disk_did_not_take_stays_where_it_is_said, begin, close_recorder)
+{
+    char part[256];
+    open_recorder((ss_recorder_config){.is_temporary = true});
+    start();
+    take(0);
+    stop();
+    start();
+    atomic_store(&is_full, true);
+    do {
+        take(1);
+        usleep(1000);
+        tell();
+    } while (strstr(told, "\"is_recording\": true") != NULL);
+    const char *at = strstr(told, "; what was recorded before is in ");
+    assert_non_null(at);
+    assert_int_equal(sscanf(at, "; what was recorded before is in %255[^\" ;]", part), 1);
+    assert_non_null(strstr(part, "-2.lcmlog.part"));
+    ss_recorder_close(&recorder);
+    assert_int_equal(access(part, F_OK), 0);
+    assert_int_equal(unlink(part), 0);
+    assert_int_equal(rmdir(folder), 0); /* the finished one has gone */
     assert_int_equal(mkdir(folder, 0700), 0);
 }
 
