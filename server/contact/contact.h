@@ -271,6 +271,7 @@ typedef struct ss_contact {
 typedef struct ss_contact_set {
     int32_t count;
     bool is_held; /* the tool holds tissue: it grasps, or has not quite let go yet */
+    bool is_torn; /* and lets go by itself, with the button down: it was drawn too hard */
     ss_contact contact[SS_MAX_CONTACTS];
     double force[3];  /* the model's whole reaction on the tool */
     double torque[3]; /* about the tool's origin */

@@ -250,9 +250,9 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
 
 /* The grasp begins with the button in contact, stays as long as the model holds too (a result may
  * also begin it, in use_result), and ends with the first result of a model that does not. When the
- * button is let go, models hold on a while, less and less: until then the hand feels what they say,
- * and the proxy stays where it is: moved to the hand it would drag the nodes that the model still
- * holds, with all that the coupling has stored. */
+ * button is let go, or a grasp is torn, models hold on a while, less and less: until then the hand
+ * feels what they say, and the proxy stays where it is: moved to the hand it would drag the nodes
+ * that the model still holds, with all that the coupling has stored. */
 static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool is_fresh,
                          const double x[3])
 {
@@ -264,11 +264,13 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
         double at[3];
         patch_pose(haptic, x, at);
         ss_local_contact_release(local, at, haptic->p, haptic->pdot, haptic->slip.limit);
-    } else if (!was_held && input->tick == haptic->press_tick &&
+    } else if (!was_held && haptic->is_pressed && input->tick == haptic->press_tick &&
                ss_local_contact_active_count(local) > 0) {
         ss_local_contact_hold(local, haptic->p, haptic->pdot);
     }
-    local->grasp.is_ending = local->grasp.is_held && !haptic->is_pressed;
+    const bool is_torn = is_fresh ? input->result->set.is_torn
+                                  : local->grasp.is_ending && input->tick != haptic->press_tick;
+    local->grasp.is_ending = local->grasp.is_held && (!haptic->is_pressed || is_torn);
     local->grasp.is_answered = local->grasp.is_ending && (local->grasp.is_answered || is_answer);
     haptic->slip.is_kept = local->grasp.is_ending || (was_held && is_over);
 }

@@ -90,7 +90,7 @@ typedef struct ss_local_contact_point {
  * directions. */
 typedef struct ss_local_contact_grasp {
     bool is_held;
-    bool is_ending;   /* the button is up, the model still holds, */
+    bool is_ending;   /* the button is up, or it is torn; the model still holds, */
     bool is_answered; /* and has told a force since */
     double force[3], position[3], velocity[3];
     double stiffness[3][3], viscosity[3][3];

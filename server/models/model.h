@@ -50,6 +50,7 @@ typedef struct ss_model_plan {
     double contact_reach;           /* m, of the source weights; 0: max(mean edge, R/2) */
     double friction;                /* mu of contact.friction; 0: none */
     const double *friction_by_node; /* in its place; NULL: the same everywhere */
+    double grasp_max_force;         /* N, a grasp is torn above; 0 or NaN: none is */
     int32_t contact_parts;          /* as ss_surface_create takes it; 0: chosen */
     double max_force;               /* N, the haptic limit: for the penetration warning */
     double step;                    /* s, the outer step the world intends */
@@ -132,9 +133,10 @@ typedef struct ss_model_class {
     const ss_param_row *row;
     int32_t row_count;
     bool needs_volume;
-    bool takes_friction;     /* its contacts hold the tool along the surface, too */
-    bool takes_second_order; /* meshes with nodes in the middle of sides; others are refused */
-    bool has_no_energy;      /* a rule for shapes: the energies that info tells are 0 */
+    bool takes_friction;       /* its contacts hold the tool along the surface, too */
+    bool grasps_without_force; /* what it holds goes along, and pulls at no tool: nothing tears */
+    bool takes_second_order;   /* meshes with nodes in the middle of sides; others are refused */
+    bool has_no_energy;        /* a rule for shapes: the energies that info tells are 0 */
     /* Estimated cost of one step in microseconds on the reference core, from counts alone; with a
      * plan->step of 0, which is not chosen yet, of a short one. */
     double (*step_cost_us)(const ss_model_plan *plan);

@@ -207,6 +207,11 @@ static void print_row(printer *p, int indent, const ss_scene_row *row, const ss_
     char comment[1024];
     comment_of(row, comment, sizeof comment);
     begin(p, indent);
+    if (node == NULL && isnan(row->fallback)) {
+        fprintf(p->stream, "# %s:", row->name);
+        end(p, comment);
+        return;
+    }
     fprintf(p->stream, "%s:", row->name);
     if (row->kind == SS_SCENE_ENTRIES) {
         end(p, comment);

@@ -72,6 +72,7 @@ typedef struct ss_scene {
     ss_param_value friction; /* by node where it varies */
     double working_force_n;
     double contact_stiffness_n_per_m3; /* 0: chosen from the working force */
+    double grasp_max_force_n;          /* NaN: no grasp is torn */
     double simulation_rate_hz;         /* 0: auto */
     int32_t max_substeps;
     double gravity[3];

@@ -6,6 +6,7 @@
  */
 #include "scene/schema.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #define COUNT(array) (int32_t)(sizeof(array) / sizeof *(array))
@@ -173,6 +174,9 @@ static const ss_scene_row contact_row[] = {
         SS_ABOVE(0, 1e15), .one_of = 'c', FIELD(contact_stiffness_n_per_m3)),
     ROW(FIELD, "friction", "Coulomb's coefficient between tool and tissue; 0 leaves friction out",
         SS_FROM(0, 10)),
+    ROW(NUMBER, "grasp_max_force_n",
+        "a grasp is torn where the tissue's reaction is more; absent: none is", .unit = "N",
+        SS_ABOVE(0, 1e3), .fallback = NAN, FIELD(grasp_max_force_n)),
 };
 
 /* ---- simulation, haptic, publish ---- */

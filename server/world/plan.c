@@ -119,6 +119,7 @@ ss_model_plan ss_world_plan(const ss_world *world)
                           .contact_stiffness = scene->contact_stiffness_n_per_m3,
                           .friction = scene->friction.number,
                           .friction_by_node = scene->friction.per_node,
+                          .grasp_max_force = scene->grasp_max_force_n,
                           .max_force = scene->max_force_n,
                           .step = world->step_period,
                           .max_substeps = world->has_budget ? budget : UNTIMED_SUBSTEPS,
@@ -190,6 +191,19 @@ static softsim_status check_friction(const ss_world *world, softsim_error *error
                       "that can%s%s, or leave friction out",
                       world->scene->path, world->model_class->name, size > 0 ? ": " : "", others);
     return SOFTSIM_ERROR_SCENE;
+}
+
+/* Does what the model grasps pull the tool, where the scene has that torn? */
+static softsim_status check_grasp(const ss_world *world, softsim_error *error)
+{
+    if (world->scene->grasp_max_force_n > 0.0 && world->model_class->grasps_without_force) {
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
+                          "%s: contact.grasp_max_force_n: what %s grasps goes along without "
+                          "force and is never torn; use another model, or leave it out",
+                          world->scene->path, world->model_class->name);
+        return SOFTSIM_ERROR_SCENE;
+    }
+    return SOFTSIM_OK;
 }
 
 static bool has_tools(const ss_scene *scene)
@@ -363,6 +377,9 @@ static uint64_t hash_plan(const ss_world *world)
         hash = ss_hash_bytes(hash, friction->per_node,
                              friction->per_node ? nodes * sizeof *friction->per_node : 0);
     }
+    if (scene->grasp_max_force_n > 0.0) {
+        hash = ss_hash_bytes(hash, &scene->grasp_max_force_n, sizeof scene->grasp_max_force_n);
+    }
     return ss_hash_bytes(hash, rates, sizeof rates);
 }
 
@@ -408,6 +425,9 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
     }
     if (status == SOFTSIM_OK) {
         status = check_friction(world, error);
+    }
+    if (status == SOFTSIM_OK) {
+        status = check_grasp(world, error);
     }
     if (status == SOFTSIM_OK) {
         status = build_model(world, options->step_s, error);

@@ -7,12 +7,16 @@
 
 /* A model lets go in a while: as long as it holds, the proxy goes with the hand and no further,
  * and the hand feels what the model says; then the proxy comes over the hand, and what was felt
- * fades into what the tissue exerts. */
+ * fades into what the tissue exerts. So it is where the model lets go by itself, the button down.
+ */
 TEST(the_proxy_stays_until_the_model_holds_no_more)
 {
     static const int holds[] = {1, 5, 20, 100};
     static const double k = 300.0, depth = 4e-3, pull[3] = {-2.0, 0.0, 0.5};
-    for (size_t i = 0; i < sizeof holds / sizeof *holds; ++i) {
+    enum { HOLDS = sizeof holds / sizeof *holds };
+    for (int i = 0; i < 2 * HOLDS; ++i) {
+        const bool is_torn = i >= HOLDS;
+        const int hold = holds[i % HOLDS];
         enum { GRASPED = 400, AFTER = 800 };
         ss_haptic_config config = default_config();
         config.damping = 2.0;
@@ -21,17 +25,18 @@ TEST(the_proxy_stays_until_the_model_holds_no_more)
         rig_start(&r, &config);
         (void)rig_press(&r, k, depth);
         double still[3], held = 0.0;
-        for (int n = 0; n < GRASPED + holds[i] + AFTER; ++n) {
+        for (int n = 0; n < GRASPED + hold + AFTER; ++n) {
             const int since = n - GRASPED;
-            const bool is_held = since < holds[i];
+            const bool is_held = since < hold;
             rig_result(&r, k, -r.out.target.proxy[2], 1);
             ss_copy3(r.result.proxy, r.out.target.proxy);
             if (is_held) {
                 r.result.set.is_held = true;
-                const double left = since < 0 ? 1.0 : 1.0 - (double)since / holds[i];
+                r.result.set.is_torn = is_torn && since >= 0;
+                const double left = since < 0 ? 1.0 : 1.0 - (double)since / hold;
                 ss_scale3(r.result.set.force, pull, left);
             }
-            r.pose.buttons = since < 0 ? SOFTSIM_BUTTON_GRASP : 0;
+            r.pose.buttons = since < 0 || is_torn ? SOFTSIM_BUTTON_GRASP : 0;
             rig_tick(&r, -depth);
             const double size = ss_norm3(r.out.force.force);
             if (since < 0) {

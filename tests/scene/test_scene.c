@@ -40,6 +40,7 @@ static const char full[] =
     "    - {probe: 5, shape: {cylinder: {radius_mm: 3, length_mm: 8}}}\n"
     "    - {probe: 6, shape: {cone: {radius_mm: 4, length_mm: 10}}}\n"
     "  working_force_n: 1.5\n"
+    "  grasp_max_force_n: 2.5\n"
     "simulation: {rate_hz: 250, max_substeps: 16}\n"
     "gravity_m_s2: [0, 0, -9.81]\n"
     "haptic: {between_steps: hold, rate_hz: 2000, max_force_n: 4, max_slew_n_per_s: 900,\n"
@@ -105,6 +106,7 @@ TEST(gives_every_value_of_a_scene)
     assert_near(s->tool[6].shape.half_length, 5e-3, 1e-18);
 
     assert_near(s->working_force_n, 1.5, 0);
+    assert_near(s->grasp_max_force_n, 2.5, 0);
     assert_near(s->contact_stiffness_n_per_m3, 0, 0);
     assert_near(s->simulation_rate_hz, 250, 0);
     assert_int_equal(s->max_substeps, 16);
@@ -153,6 +155,7 @@ TEST(has_the_documented_defaults)
     assert_near(s->simulation_rate_hz, 0, 0);
     assert_int_equal(s->max_substeps, 64);
     assert_near(s->working_force_n, 2, 0);
+    assert_true(isnan(s->grasp_max_force_n));
     assert_near(s->mesh_rate_hz, 60, 0);
     assert_near(s->max_bytes_per_s, 8e6, 0);
     assert_near(s->gravity[2], 0, 0);

@@ -52,7 +52,7 @@ typedef struct ss_chain_drive {
 typedef struct ss_chain_tool {
     ss_tool *base;
     bool is_touching; /* at the last sub-step */
-    bool grasp_wish;  /* the button is down */
+    bool grasp_wish;  /* the button is down, and it is not torn */
     double viscosity; /* N s/m, last told */
     ss_chain_drive drive;
 } ss_chain_tool;

@@ -525,4 +525,4 @@ SS_MODEL_CLASS(ss_model_chainmail, "chainmail",
                SS_MODEL_PARTS(ss_model, &hints, rows, step_cost_us, build, destroy, step, explain),
                SS_MODEL_STATE(ss_mail_contacts, reset, info, displacement, velocity, reaction,
                               hash_state),
-               .has_no_energy = true);
+               .has_no_energy = true, .grasps_without_force = true);

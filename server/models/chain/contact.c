@@ -202,7 +202,8 @@ void ss_chain_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_P
         }
         /* A jump's energy is the tool's work. */
         model->work += ss_tool_energy(base) - before;
-        own->grasp_wish = base->is_present && tool[k].is_grasping;
+        own->grasp_wish = base->is_present &&
+                          ss_grasp_follow_button(&base->grasp, tool[k].is_grasping, base->force);
     }
 }
 

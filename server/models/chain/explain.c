@@ -75,6 +75,9 @@ static void explain_material(const ss_model *model, const ss_notes *out)
                  model->capacitance, model->is_capacitance_given ? "given" : "chosen for the mesh",
                  ss_chain_stable_step(model),
                  ceil(model->plan.step / ss_chain_stable_step(model) - 1e-9), model->plan.step);
+    if (model->tools.surface) {
+        ss_tools_say_grasp(&model->plan, out);
+    }
     ss_tools_warn_unheld(&model->tools, model->is_held, out);
 }
 

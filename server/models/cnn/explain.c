@@ -331,6 +331,7 @@ static void explain_tools(const ss_model *model, const ss_notes *out)
         ss_note_used(out, "contact", "%lld samples",
                      (long long)ss_surface_sample_count(model->tools.surface));
         ss_tools_say_friction(plan, out);
+        ss_tools_say_grasp(plan, out);
     } else {
         ss_note_left_out(out, "contact", "no tool");
     }

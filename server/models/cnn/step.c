@@ -747,10 +747,12 @@ void ss_cnn_step(ss_model *model, double time, double dt,
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (model->tools.tool[k].is_present) {
             ss_grasp *grasp = &model->tools.tool[k].grasp;
-            if (tool[k].is_grasping && !grasp->is_pressed) {
+            const bool is_holding =
+                ss_grasp_follow_button(grasp, tool[k].is_grasping, model->tools.tool[k].force);
+            if (is_holding && !grasp->is_pressed) {
                 take_grasp(model, &model->tool[k]);
             }
-            grasp->is_pressed = tool[k].is_grasping;
+            grasp->is_pressed = is_holding;
         }
     }
     const double balance = energy_balance(model);

@@ -459,6 +459,7 @@ void ss_body_explain(const ss_body *body, const ss_notes *out)
         ss_note_used(out, "contact", "%lld samples",
                      (long long)ss_surface_sample_count(body->tools.surface));
         ss_tools_say_friction(&body->plan, out);
+        ss_tools_say_grasp(&body->plan, out);
     } else {
         ss_note_left_out(out, "contact", "no tool");
     }

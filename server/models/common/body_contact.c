@@ -223,7 +223,9 @@ void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PRO
         if (!own->is_present) {
             continue;
         }
-        if (tool[k].is_grasping && !own->grasp.is_pressed) {
+        const bool is_holding =
+            ss_grasp_follow_button(&own->grasp, tool[k].is_grasping, own->force);
+        if (is_holding && !own->grasp.is_pressed) {
             const int32_t *node;
             const double *weight;
             double total;
@@ -240,7 +242,7 @@ void ss_body_take_grasps(ss_body *body, const ss_model_tool tool[SOFTSIM_MAX_PRO
                           SS_GRASP_STIFFNESS_RATIO * own->stiffness, body->tools.rest, u,
                           &own->pose);
         }
-        own->grasp.is_pressed = tool[k].is_grasping;
+        own->grasp.is_pressed = is_holding;
     }
 }
 

@@ -13,11 +13,20 @@
 
 /* ---- grasp ---- */
 
-void ss_grasp_init(ss_grasp *grasp, int32_t capacity, ss_arena *arena)
+void ss_grasp_init(ss_grasp *grasp, int32_t capacity, double max_force, ss_arena *arena)
 {
+    grasp->max_force = max_force;
     const size_t n = (size_t)capacity;
     SS_ARENA_TAKE(arena, SS_ROOM(n, grasp->node), SS_ROOM(n, grasp->stiffness),
                   SS_ROOM(n, grasp->offset));
+}
+
+bool ss_grasp_follow_button(ss_grasp *grasp, bool is_down, const double force[3])
+{
+    const bool is_overdrawn = grasp->max_force > 0.0 && grasp->is_pressed && grasp->count > 0 &&
+                              ss_norm3(force) > grasp->max_force;
+    grasp->is_torn = is_down && (grasp->is_torn || is_overdrawn);
+    return is_down && !grasp->is_torn;
 }
 
 void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const double *weight,
@@ -99,6 +108,9 @@ uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed)
 {
     const size_t count = (size_t)grasp->count;
     uint64_t hash = ss_hash_bytes(seed, &grasp->count, sizeof grasp->count);
+    if (grasp->is_torn) {
+        hash = ss_hash_bytes(hash, &grasp->is_torn, sizeof grasp->is_torn);
+    }
     if (count > 0) {
         hash = ss_hash_bytes(hash, &grasp->fade, sizeof grasp->fade);
         hash = ss_hash_bytes(hash, grasp->node, count * sizeof *grasp->node);

@@ -8,7 +8,10 @@
  * Grasp (of one potential with the contact): at the button's press the touched nodes store
  * where they are in the tool's frame, o_i = R'(P_i - X), and a stiffness k_i by their weight; the
  * potential gains fade/2 sum k_i |P_i - X - R o_i|^2. On release the fade falls from 1 to 0 in
- * 20 ms, which can only lose energy. (`chainmail` drops it at once.)
+ * 20 ms, which can only lose energy. (`chainmail` drops it at once.) Where the tissue's reaction
+ * on the tool is more than `max_force` at the start of an outer step the grasp is torn: it is
+ * released there, and the button takes hold again only when it was let go. Rejected: the springs'
+ * part alone; they are stretched against contact that still presses, by more than is felt.
  * Thread: ss_grasp_init set-up only; the rest RT-safe.
  */
 #include "models/model.h"
@@ -18,7 +21,9 @@
 #define SS_GRASP_STIFFNESS_RATIO 0.2
 
 typedef struct ss_grasp {
-    bool is_pressed;
+    double max_force;      /* N, torn above; 0 or NaN: never */
+    bool is_pressed;       /* the button is down, and it is not torn */
+    bool is_torn;          /* since the button was pressed */
     double fade;           /* 1 while held, then ramped to 0 */
     double fade_before;    /* at the start of the sub-step */
     double unfaded_energy; /* sum k_i |x_i|^2 / 2, J, at fade 1 */
@@ -29,7 +34,10 @@ typedef struct ss_grasp {
 } ss_grasp;
 
 /* For at most `capacity` nodes. */
-void ss_grasp_init(ss_grasp *grasp, int32_t capacity, ss_arena *arena);
+void ss_grasp_init(ss_grasp *grasp, int32_t capacity, double max_force, ss_arena *arena);
+/* Before an outer step, with the button down or up and the reaction `force` (N) on the tool: is it
+ * to hold in this step? */
+bool ss_grasp_follow_button(ss_grasp *grasp, bool is_down, const double force[3]);
 /* Takes hold of the `count` nodes (increasing) of weight (m^2) times `stiffness` (N/m^3), as they
  * stand displaced by `u` from `rest`, unstretched. */
 void ss_grasp_take(ss_grasp *grasp, int32_t count, const int32_t *node, const double *weight,

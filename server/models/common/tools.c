@@ -39,7 +39,7 @@ softsim_status ss_tools_open(ss_tools *tools, const ss_model_plan *plan, int ind
     const ss_contact_query_options options = {.delta = tool->delta, .stiffness = tool->stiffness};
     tool->is_used = true;
     tool->shape = &plan->tool[index].shape;
-    ss_grasp_init(&tool->grasp, tools->node_count, arena);
+    ss_grasp_init(&tool->grasp, tools->node_count, plan->grasp_max_force, arena);
     const softsim_status status =
         ss_contact_query_create(tools->surface, tool->shape, &options, &tool->query);
     tool->has_friction = plan->friction > 0.0 || plan->friction_by_node != NULL;
@@ -74,7 +74,7 @@ void ss_tools_reset(ss_tools *tools)
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         ss_tool *tool = &tools->tool[k];
         tool->is_present = tool->was_touching = false;
-        tool->grasp.is_pressed = false;
+        tool->grasp.is_pressed = tool->grasp.is_torn = false;
         tool->grasp.count = 0;
         tool->grasp.unfaded_energy = 0.0;
         tool->felt = tool->penalty = 0.0;
@@ -142,6 +142,16 @@ void ss_tools_say_friction(const ss_model_plan *plan, const ss_notes *out)
     }
 }
 
+void ss_tools_say_grasp(const ss_model_plan *plan, const ss_notes *out)
+{
+    if (plan->grasp_max_force > 0.0) {
+        ss_note_used(out, "contact.grasp_max_force_n",
+                     "%.3g N, a grasp with a larger reaction is torn", plan->grasp_max_force);
+    } else {
+        ss_note_left_out(out, "torn grasps", "contact.grasp_max_force_n is not given");
+    }
+}
+
 /* ---- on the way ---- */
 
 ss_tool_news ss_tool_take(ss_tool *tool, const ss_model_tool *input)
@@ -150,7 +160,7 @@ ss_tool_news ss_tool_take(ss_tool *tool, const ss_model_tool *input)
     tool->is_present = tool->is_used && input && input->is_present;
     if (!tool->is_present) {
         tool->grasp.count = 0;
-        tool->grasp.is_pressed = false;
+        tool->grasp.is_pressed = tool->grasp.is_torn = false;
         forget_friction(tool);
         return was_present ? SS_TOOL_LOST : SS_TOOL_KEPT;
     }
@@ -437,6 +447,7 @@ bool ss_tool_fill_contacts(ss_tool *tool, const ss_real *u, double near, ss_cont
 {
     ss_contact_query_contacts(tool->query, u, &tool->pose, near, out);
     out->is_held = tool->grasp.count > 0;
+    out->is_torn = out->is_held && tool->grasp.is_torn;
     ss_sub3(out->force, tool->force, tool->friction);
     ss_copy3(out->torque, tool->torque);
     ss_copy3(out->friction, tool->friction);

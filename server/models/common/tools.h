@@ -77,6 +77,8 @@ void ss_tools_warn_unheld(const ss_tools *tools, bool is_held, const ss_notes *o
 
 /* Is there friction, and of what? */
 void ss_tools_say_friction(const ss_model_plan *plan, const ss_notes *out);
+/* From what force on is a grasp torn? */
+void ss_tools_say_grasp(const ss_model_plan *plan, const ss_notes *out);
 
 /* ---- on the way ---- */
 
