@@ -37,8 +37,24 @@ async function pressesWithTheMouse() {
   await page.selectOption('#colour', 'displacement');
   await shown(page, 'legend');
   await page.screenshot({ path: `${pictures}/press.png` });
+  await page.evaluate(() => {
+    window.shown = [];
+    softsim.link.on('status', ({ status }) => window.shown.push([status.verdict, status.reason, document.getElementById('reason').textContent]));
+  });
   await page.mouse.up();
   await rest(page);
+  await until(page, () => window.shown.some(([, reason]) => reason === 'probe 0 went silent: its force is ramped to zero'));
+  assert.ok(await page.evaluate(() => window.shown.every(([verdict, reason, told]) => verdict !== 0 || !/went silent/.test(reason) || told === '')), 'letting go is no news');
+}
+
+// A Shift that is let go while another window has the keys is let go.
+async function forgetsShift() {
+  await page.focus('#view');
+  await page.keyboard.down('Shift');
+  assert.equal(await page.evaluate(() => softsim.hand.isShift), true);
+  await page.evaluate(() => dispatchEvent(new Event('blur')));
+  assert.equal(await page.evaluate(() => softsim.hand.isShift), false);
+  await page.keyboard.up('Shift');
 }
 
 // A grasp is drawn outward, and the hand is pulled back; a tool that nobody moved any more may be had
@@ -203,6 +219,7 @@ await page.click('#record');
 await until(page, () => document.getElementById('record').textContent === 'Stop');
 await pressesWithTheMouse();
 await graspsWithShift();
+await forgetsShift();
 await recordsTo();
 await worksByKeys();
 const phone = await watches();

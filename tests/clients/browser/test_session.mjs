@@ -6,7 +6,7 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
-import { launch, onScreen, open, rest, until } from './chromium.mjs';
+import { drawn, launch, onScreen, open, rest, until } from './chromium.mjs';
 
 const [pageFolder, bin, scenes, work, pictures] = process.argv.slice(2);
 const UPPER_FACE = [0, 0.006, 0.022]; // of the kidney
@@ -40,7 +40,7 @@ async function kill(child) {
   await child.gone;
 }
 
-const { child: web, match } = await start(/open (http:\S+) in a browser/, 'softsim-web', '--port', '0');
+let { child: web, match } = await start(/open (http:\S+) in a browser/, 'softsim-web', '--port', '0');
 const address = match[1];
 const browser = await launch(pageFolder);
 const faults = [];
@@ -148,6 +148,69 @@ await until(page, () => document.getElementById('who').textContent.startsWith('A
 await kill(bridge);
 await until(page, () => document.getElementById('who').hidden);
 
+// A scene that sends no mesh: the body before it is not its own, and the banner says so.
+await kill(server);
+writeFileSync(`${work}/no-mesh.yaml`, readFileSync(`${work}/one.yaml`, 'utf8').replace(/publish: .*/, 'publish: {mesh_rate_hz: 0}'));
+server = await serve(`${work}/no-mesh.yaml`);
+await until(page, () => document.getElementById('scene-name').textContent.startsWith('no-mesh.yaml') && document.body.dataset.session === 'loading');
+await until(page, () => document.getElementById('banner-head').textContent === 'The server sends no body');
+assert.deepEqual(await page.evaluate(() => [softsim.body.visible, softsim.tools.visible]), [false, false]);
+await until(page, (before) => softsim.view.frames > before + 1, await page.evaluate(() => softsim.view.frames));
+assert.ok((await drawn(page)) < 0.001, 'no body is drawn');
+await page.mouse.move(x, y);
+await page.mouse.down();
+assert.equal(await page.evaluate(() => softsim.hand.press), null, 'there is nothing to press at');
+await page.mouse.up();
+await page.screenshot({ path: `${pictures}/no-mesh.png` });
+
+// What is drawn anew leaves nothing of the old behind on the graphics card.
+const memory = () => page.evaluate(() => ({ ...softsim.view.renderer.info.memory }));
+await kill(server);
+server = await serve(kidney);
+await kind(page, 'live');
+await until(page, () => softsim.tools.of.size === 2);
+await rest(page);
+const held = await memory();
+await kill(server);
+await kind(page, 'silent');
+server = await serve(kidney);
+await kind(page, 'live');
+await rest(page);
+assert.deepEqual(await memory(), held);
+
+// softsim-web started again at the same port knows neither the hand nor the recordings of its last run:
+// one browser held the tool, another watched, a recording was done and one under way.
+await page.click('#record');
+await until(page, () => document.getElementById('record').textContent === 'Stop');
+await page.click('#record');
+await until(page, () => document.querySelectorAll('#recordings a').length === 1);
+await page.click('#record');
+await until(page, () => document.getElementById('record').textContent === 'Stop');
+const watcher = await open(browser, address);
+await page.bringToFront();
+await page.mouse.move(x, y);
+await page.mouse.down();
+await until(watcher, () => document.getElementById('who').textContent.startsWith('Another browser holds the tool'));
+await kill(web);
+for (const each of [page, watcher]) await kind(each, 'lost');
+({ child: web } = await start(/in a browser/, 'softsim-web', '--port', new URL(address).port));
+for (const each of [page, watcher]) {
+  await each.bringToFront();
+  await kind(each, 'live');
+  assert.equal(await text(each, 'record'), 'Record');
+  assert.equal(await each.locator('#recordings a').count(), 0, 'no links that lead nowhere');
+  await until(each, () => document.getElementById('who').hidden);
+}
+await page.mouse.up();
+await rest(watcher);
+await watcher.mouse.move(x, y);
+await watcher.mouse.down();
+await until(watcher, () => softsim.readings.force > 0.2);
+await watcher.mouse.up();
+await rest(watcher);
+await watcher.close();
+await page.bringToFront();
+
 // Without softsim-web the page says that, not that the server is gone: also where it only falls silent,
 // as one behind a network that broke.
 web.kill('SIGSTOP');
@@ -165,4 +228,4 @@ await page.screenshot({ path: `${pictures}/lost.png` });
 assert.deepEqual(faults, []);
 await browser.close();
 await kill(server);
-console.log('test_session: the page says who is there, starts afresh with a new server, follows its field and its pause');
+console.log('test_session: the page says who is there, starts afresh with a new server and a new softsim-web, follows its field and its pause');

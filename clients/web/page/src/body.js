@@ -57,6 +57,8 @@ export class Body extends THREE.Group {
   setTopology({ nodes, scale, rest, index, flag }) {
     for (const part of [...this.children]) {
       part.geometry.dispose();
+      part.material.map?.dispose();
+      if (part.material !== this.material) part.material.dispose();
       this.remove(part);
     }
     this.nodes = nodes;

@@ -36,7 +36,7 @@ export class Hand {
 
   // Why no press can begin; null when one can.
   obstacle() {
-    if (!this.isServed || !this.body.isPresent) return 'There is no server to press at.';
+    if (!this.isServed || !this.body.isPresent) return 'There is nothing to press at.';
     if (this.isOthers) return 'Another browser holds the tool: you watch';
     if (!this.tools.of.size) return 'This scene has no tool to press with';
     return this.freeTool() ? null : 'Another program moves the tool: you watch';

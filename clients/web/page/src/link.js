@@ -1,6 +1,6 @@
 // The socket to softsim-web: what it sends, decoded (clients/web/hub.h and body.h have the layout),
-// and what it takes. A lost connection is tried again; the server then tells all there is. One that says
-// nothing, though a server is there that speaks four times a second, is lost too: a peer that vanished
+// and what it takes. A lost connection is tried again; what was told over the old one is then forgotten
+// (main.js), since the server tells all there is. One that says nothing, though a server is there that speaks four times a second, is lost too: a peer that vanished
 // closes nothing.
 
 const HEAD = 4, RETRY_MS = 1000, QUIET_TICKS = 4; // of RETRY_MS

@@ -43,7 +43,11 @@ function frameAnew() {
 }
 
 link.on('open', () => session.take({ isOpen: true }));
-link.on('closed', () => session.take({ isOpen: false, isHeard: false, isSilent: false }));
+link.on('closed', () => {
+  session.take({ isOpen: false, isHeard: false, isSilent: false, hasBody: false, run: null });
+  hand.takeHolder('nobody', false);
+  panel.forgetRecordings();
+});
 link.on('silent', ({ is_silent: isSilent }) => session.take({ isSilent }));
 link.on('scene', (message) => {
   scene = message;
@@ -56,6 +60,7 @@ link.on('scene', (message) => {
   frameAnew();
 });
 link.on('status', (message) => {
+  session.takeRun(message.session);
   session.take({ isHeard: true, scene: message.status.scene });
   panel.takeStatus(message);
   plots.takeStatus(message.status);
@@ -79,16 +84,18 @@ link.on('reply', ({ code, text }) => {
   parameters.show();
   colouring.show();
 });
-link.on('hand', ({ holder, refused }) => {
+link.on('hand', ({ holder, refused, probe, devices }) => {
   hand.takeHolder(holder, refused);
+  panel.takeHand({ probe, devices });
   if (refused) notice('Another device moves this tool: it belongs to whoever moves it, until half a second of stillness.');
 });
 session.onChange = (kind) => {
   hand.isServed = kind === 'live';
   link.isExpecting = hand.isServed || kind === 'loading';
+  body.visible = tools.visible = kind !== 'loading'; // another's
   hand.onChange();
+  if (kind !== 'live') hand.cancel();
   if (kind !== 'lost' && kind !== 'silent') return;
-  hand.cancel();
   readings.forget();
   panel.forget(kind === 'lost' ? 'not connected' : 'no server');
 };

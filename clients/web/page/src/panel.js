@@ -22,7 +22,9 @@ export class Panel {
     $('pause').onclick = () => link.command(this.isPaused ? 'resume' : 'pause');
     $('reset').onclick = () => link.command('reset');
     $('record').onclick = () => link.send(`record ${this.isRecording ? 0 : 1}`);
+    this.mouse = { probe: null, isHeld: false }; // the last that a browser held
     this.forget('no server');
+    this.forgetRecordings();
   }
 
   // What a server said goes with it.
@@ -52,17 +54,36 @@ export class Panel {
 
   takeStatus({ status, paused }) {
     const verdict = VERDICTS[status.verdict] ?? 'fault';
-    this.showVerdict(verdict, verdict, status.reason);
+    this.showVerdict(verdict, verdict, this.isLetGo(status) ? '' : status.reason);
     this.showPaused(paused);
     const facts = factsOf(status), boxes = children($('facts'), facts.flatMap(() => ['dt', 'dd']));
     facts.flat().forEach((text, i) => { boxes[i].textContent = text; });
   }
 
-  takeRecording({ is_recording: isRecording, files, fault }) {
+  takeHand({ probe, devices }) {
+    if (probe >= 0) this.mouse.probe = probe;
+    else if (devices.includes(this.mouse.probe)) this.mouse.probe = null;
+    this.mouse.isHeld = probe >= 0;
+  }
+
+  // Is all that there is to say that a browser has let go of its tool? Which is no news.
+  isLetGo({ verdict, reason }) {
+    return verdict === 0 && !this.mouse.isHeld && reason.startsWith(`probe ${this.mouse.probe} went silent`);
+  }
+
+  forgetRecordings() {
+    this.takeRecording({ is_recording: false, files: [], fault: '', lost: 0 });
+  }
+
+  takeRecording({ is_recording: isRecording, files, fault, lost, is_temporary: isTemporary }) {
     this.isRecording = isRecording;
     $('record').setAttribute('aria-pressed', String(isRecording));
     $('record').textContent = isRecording ? 'Stop' : 'Record';
     if (fault) $('reply').textContent = fault;
+    $('recording-note').textContent = [
+      isRecording && lost > 0 ? `The disk is too slow: ${lost} messages are lost so far.` : '',
+      isTemporary && files.length ? 'Recordings go when softsim-web ends: save what you keep, or give it --record-dir.' : '',
+    ].join(' ').trim();
     $('recordings').replaceChildren(...files.map((file) => {
       const item = document.createElement('li'), anchor = document.createElement('a');
       anchor.href = `/recordings/${file}${location.search}`;

@@ -2,6 +2,9 @@
 import { $, notice } from './page.js';
 
 const WAIT_MS = 120; // between the slider's last move and the command
+const MESH_RATE = 'publish.mesh_rate_hz';
+// The field is the colour's; a mesh is begun and ended by a restart alone.
+const isSettable = ({ path, value }) => path !== 'publish.field' && !(path === MESH_RATE && Number(value) === 0);
 const short = (value) => (Math.abs(value) >= 1e5 ? value.toExponential().replace('e+', 'e') : String(value));
 
 // The slider's own range: the parameter's, or where that spans more than six decades or begins at 0 far
@@ -33,6 +36,25 @@ export function describe(path, unit) {
   return { title: words[0].toUpperCase() + words.slice(1), unit: unit || (found ? found[1] : '') };
 }
 
+// The parameters that are shown, with titles that differ, and why one has no number now. A value of its
+// own name in another unit is given in that one alone; else it is given by regions or elements.
+export function controlsOf(parameters) {
+  const isNumber = ({ value }) => !Number.isNaN(Number(value));
+  const shown = parameters.filter(isSettable).map((p) => {
+    const choices = p.unit.includes('|') ? p.unit.split('|') : null;
+    return { ...p, choices, ...describe(p.path, choices ? '' : p.unit) };
+  });
+  return shown.map((p) => {
+    const namesakes = shown.filter(({ title }) => title === p.title), given = namesakes.find(isNumber);
+    return {
+      ...p,
+      low: p.path === MESH_RATE ? Math.min(1, Number(p.value)) : p.low,
+      title: namesakes.length > 1 ? `${p.title} in ${p.unit}` : p.title,
+      why: given ? `given in ${given.unit}` : 'differs by region',
+    };
+  });
+}
+
 export class Parameters {
   constructor(link) {
     this.link = link;
@@ -40,8 +62,8 @@ export class Parameters {
   }
 
   takeScene(parameters) {
-    const shown = parameters.filter((p) => p.path !== 'publish.field'); // that is the colour's
-    const key = shown.map((p) => [p.path, p.low, p.high, p.unit].join()).join();
+    const shown = controlsOf(parameters);
+    const key = shown.map((p) => [p.path, p.low, p.high, p.unit, p.choices].join()).join();
     if (key !== this.key) {
       this.key = key;
       this.controls.clear();
@@ -61,24 +83,25 @@ export class Parameters {
   }
 
   makeControl(parameter) {
-    return parameter.unit.includes('|') ? this.makeChoice(parameter) : this.makeNumber(parameter);
+    return parameter.choices ? this.makeChoice(parameter) : this.makeNumber(parameter);
   }
 
-  makeChoice({ path, unit }) {
-    const control = element('select', { id: `set-${path}` }, ...unit.split('|').map((name) => new Option(name, name)));
+  makeChoice({ path, title, choices }) {
+    const control = element('select', { id: `set-${path}` }, ...choices.map((name) => new Option(name, name)));
     control.onchange = () => this.set(path, control.value);
     this.controls.set(path, ({ value }) => { control.value = value; });
-    return element('div', { className: 'parameter', title: path }, element('label', { htmlFor: control.id }, describe(path, '').title), control);
+    return element('div', { className: 'parameter', title: path }, element('label', { htmlFor: control.id }, title), control);
   }
 
-  makeNumber({ path, low, high, unit: named, value }) {
-    const { title, unit } = describe(path, named), scale = sliderOf(low, high, Number(value)), range = `${short(low)} to ${short(high)} ${unit}`.trim();
+  makeNumber({ path, title, low, high, unit, value }) {
+    const scale = sliderOf(low, high, Number(value)), range = `${short(low)} to ${short(high)} ${unit}`.trim();
     const label = element('label', { htmlFor: `set-${path}` }, title);
     const number = element('input', { type: 'text', inputMode: 'decimal', id: `number-${path}` });
     const slider = element('input', { type: 'range', id: `set-${path}`, min: 0, max: 1, step: 0.001 });
     const told = element('span', { className: 'told' });
     number.setAttribute('aria-label', `${title}, ${range}`);
-    const ends = element('div', { className: 'ends' }, element('span', {}, short(scale.least)), told, element('span', {}, short(scale.most)));
+    const [least, most] = [scale.least, scale.most].map((end) => element('span', {}, short(end)));
+    const ends = element('div', { className: 'ends' }, least, told, most);
     const tell = (isGood) => {
       const isWhole = scale.least === low && scale.most === high;
       told.textContent = isGood ? (isWhole ? '' : `allowed ${range}`) : `not within ${range}`;
@@ -99,14 +122,15 @@ export class Parameters {
       if (isWithin(wanted)) this.set(path, wanted);
       else notice(`${title}: ${number.value || 'nothing'} is not within ${range}.`);
     };
-    this.controls.set(path, ({ value: now }) => {
+    this.controls.set(path, ({ value: now, why }) => {
       if (timer || document.activeElement === number) return;
       const isNumber = !Number.isNaN(Number(now));
-      number.value = isNumber ? short(Number(now)) : now;
+      number.value = isNumber ? short(Number(now)) : '–';
       number.disabled = !isNumber;
-      slider.hidden = ends.hidden = !isNumber;
+      slider.hidden = least.hidden = most.hidden = !isNumber;
       slider.value = scale.toShare(Number(now));
       tell(!isNumber || isWithin(Number(now)));
+      if (!isNumber) told.textContent = why;
     });
     return element('div', { className: 'parameter', title: path },
       element('div', { className: 'row' }, label, element('span', { className: 'quantity' }, number, element('span', {}, unit))), slider, ends);

@@ -2,7 +2,7 @@
 // step time and lateness.
 import { $ } from './page.js';
 
-const SPAN_S = 10, STEPS = 240; // a minute of statuses
+const SPAN_S = 10, GAP_S = 0.3, STEPS = 240; // a minute of statuses
 
 function begin(canvas) {
   const ratio = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight || canvas.height / ratio;
@@ -43,12 +43,22 @@ function frame({ context, width, height }, top, unit, bottomText) {
   context.fillText(bottomText, width - 2, height - 3);
 }
 
-function line({ context }, points, colour, width = 1.5) {
+// Samples in parts: what was between two far apart nobody knows.
+export function unbroken(samples) {
+  const parts = [];
+  samples.forEach((sample, i) => {
+    if (i === 0 || sample[0] - samples[i - 1][0] > GAP_S) parts.push([]);
+    parts[parts.length - 1].push(sample);
+  });
+  return parts;
+}
+
+function line({ context }, parts, colour, width = 1.5) {
   context.strokeStyle = colour;
   context.lineWidth = width;
   context.lineJoin = 'round';
   context.beginPath();
-  points.forEach(([x, y], i) => (i ? context.lineTo(x, y) : context.moveTo(x, y)));
+  for (const points of parts) points.forEach(([x, y], i) => (i ? context.lineTo(x, y) : context.moveTo(x, y)));
   context.stroke();
 }
 
@@ -91,19 +101,20 @@ export class Plots {
     const time = begin(this.canvases.time), depth = begin(this.canvases.depth);
     const y = (plot, value) => (plot.height - 15) * (1 - value / top) + 0.5;
     const x = (t) => time.width * (1 + (t - last) / SPAN_S);
+    const parts = unbroken(samples), points = (place) => parts.map((part) => part.map(place));
     frame(time, top, 'N', 'last 10 s');
-    line(time, samples.map((s) => [x(s[0]), y(time, s[2])]), `${force}66`, 1);
-    line(time, samples.map((s) => [x(s[0]), y(time, s[1])]), force);
+    line(time, points((s) => [x(s[0]), y(time, s[2])]), `${force}66`, 1);
+    line(time, points((s) => [x(s[0]), y(time, s[1])]), force);
     const deepest = round(1e3 * Math.max(1e-4, ...samples.map((s) => s[3])));
     frame(depth, top, 'N', `${Number(deepest.toPrecision(3))} mm`);
-    line(depth, samples.map((s) => [(depth.width * Math.max(0, 1e3 * s[3])) / deepest, y(depth, s[1])]), style('--accent'));
+    line(depth, points((s) => [(depth.width * Math.max(0, 1e3 * s[3])) / deepest, y(depth, s[1])]), style('--accent'));
   }
 
   drawSteps() {
     const step = begin(this.canvases.step), most = round(Math.max(10, ...this.steps.flat()));
     const point = (k) => (s, i) => [(step.width * i) / (STEPS - 1), (step.height - 15) * (1 - s[k] / most) + 0.5];
     frame(step, most, 'µs', 'last minute');
-    line(step, this.steps.map(point(0)), style('--accent'));
-    line(step, this.steps.map(point(1)), style('--quiet'), 1);
+    line(step, [this.steps.map(point(0))], style('--accent'));
+    line(step, [this.steps.map(point(1))], style('--quiet'), 1);
   }
 }

@@ -52,7 +52,11 @@ export class Pointer {
     Object.assign(this, { view, hand, body, isFinger: matchMedia('(hover: none)').matches });
     hearCanvas(view, hand, this);
     hearControls(hand);
-    addEventListener('blur', () => hand.end(hand.press?.owner));
+    addEventListener('blur', () => { // keys let go elsewhere are not heard
+      hand.isShift = false;
+      hand.end(hand.press?.owner);
+      hand.onChange();
+    });
     document.addEventListener('visibilitychange', () => { if (document.hidden) hand.cancel(); });
     hand.onChange = () => this.show();
     this.show();

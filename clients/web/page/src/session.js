@@ -1,5 +1,6 @@
 // Whom the page talks to, in plain words: a banner while there is nothing live to see, with what to do.
-//   connecting, lost (no softsim-web), silent (no server), loading (no body yet), live
+//   connecting, lost (no softsim-web), silent (no server), loading (no body of this run's
+//   yet, or none ever), live
 import { $, showBanner } from './page.js';
 
 const command = (scene) => `softsimd ${scene || 'server/scenes/kidney.yaml'}`;
@@ -18,7 +19,7 @@ const SAID = {
 
 export class Session {
   constructor() {
-    Object.assign(this, { isOpen: null, isSilent: false, isHeard: false, hasBody: false, scene: '', isMeshOff: false });
+    Object.assign(this, { isOpen: null, isSilent: false, isHeard: false, hasBody: false, scene: '', isMeshOff: false, run: null });
     this.onChange = () => {}; // of its kind
     this.show();
   }
@@ -27,7 +28,12 @@ export class Session {
     if (this.isOpen === null) return 'connecting';
     if (!this.isOpen) return 'lost';
     if (this.isSilent || !this.isHeard) return this.isSilent ? 'silent' : 'connecting';
-    return this.hasBody ? 'live' : 'loading';
+    return this.hasBody && !this.isMeshOff ? 'live' : 'loading';
+  }
+
+  // Another start of the server has its surface sent after its first status.
+  takeRun(run) {
+    this.take({ run, hasBody: this.hasBody && (this.run === null || this.run === run) });
   }
 
   take(what) {

@@ -96,7 +96,8 @@ class Tool extends THREE.Group {
   }
 
   dispose() {
-    this.probeMesh.geometry.dispose();
+    this.arrow.dispose();
+    for (const part of [this.probeMesh, this.spot, this.normal]) part.geometry.dispose();
     for (const part of [this.probeMesh, this.proxyMesh, this.spot, this.normal]) part.material.dispose();
   }
 }
