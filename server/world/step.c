@@ -317,7 +317,7 @@ void ss_world_step_post(ss_world *world)
             ss_mailbox_post(probe->result);
         }
     }
-    if (world->surface && world->steps % world->snapshot_every == 0) {
+    if (world->surface && ++world->periods % world->snapshot_every == 0) {
         post_surface(world);
     }
     ss_simulation_stats *stats = ss_mailbox_draft(world->simulation_stats);

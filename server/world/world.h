@@ -171,7 +171,8 @@ typedef struct ss_world {
     uint64_t hash;
     double lag; /* as in the stats */
     ss_energy_watch energy;
-    int32_t snapshot_every; /* steps between surface snapshots; 0: no publisher */
+    int32_t snapshot_every; /* periods between surface snapshots; 0: no publisher */
+    int64_t periods;        /* so far, those of a pause too: what a command changes then is shown */
     double step_quantiles[3];
     softsim_verdict worst_verdict; /* of any step so far */
     const char *worst_reason;      /* of the first step with it; NULL while good */

@@ -116,6 +116,34 @@ static void expect_snapshot(ss_world *world)
     assert_true(most > 1e-5);
 }
 
+/* A pressed block that is reset in a pause is shown at rest, not as it was. */
+TEST(a_reset_in_a_pause_is_shown)
+{
+    static const char *const commands[] = {"pause", "reset"};
+    ss_world *world = create(1, "fem");
+    expect_snapshot(world);
+    ss_world_step_begin(world); /* between two snapshots */
+    ss_world_step_compute(world);
+    ss_world_step_post(world);
+    for (int k = 0; k < 2; ++k) {
+        char text[256];
+        ss_command_record record;
+        assert_int_equal(ss_world_command(world, commands[k], "", &record, text, sizeof text), 0);
+    }
+    bool is_new = false;
+    for (int32_t k = 0; k < world->snapshot_every; ++k) {
+        ss_world_step_begin(world);
+        ss_world_step_compute(world);
+        ss_world_step_post(world);
+    }
+    const ss_surface_snapshot *snapshot = ss_mailbox_take(world->surface, &is_new);
+    assert_true(is_new);
+    for (int32_t i = 0; i < 3 * world->drawn.node_count; ++i) {
+        assert_true(snapshot->number[i] == 0.0F);
+    }
+    ss_world_destroy(&world);
+}
+
 TEST(sides_without_a_node_in_the_file_get_one_of_no_number)
 {
     ss_world *world = create(1, "fem-quadratic");
