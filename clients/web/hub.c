@@ -19,7 +19,8 @@
 enum {
     SAMPLES = 640, /* ten seconds, of FRAME_NS each */
     STATE_FLOATS = 27,
-    COMMANDS = 64,
+    COMMANDS = 64, /* that wait to be sent */
+    ASKED = 1024,  /* that may wait for a reply; of more the oldest get none */
     REPLIES = 64,
     RECORDINGS = 256,
     RECORDER_ROOM = 1 << 25 /* bytes: seconds of all that a busy server says */
@@ -51,8 +52,14 @@ typedef struct probe_state {
 
 typedef struct command {
     int64_t browser;
-    char name[32], argument[256];
+    char name[32], argument[512];
 } command;
+
+/* Who waits for the reply to command `id`. */
+typedef struct asked {
+    int32_t id;
+    int64_t browser;
+} asked;
 
 typedef struct reply {
     int64_t browser;
@@ -83,7 +90,8 @@ struct ss_hub {
     ss_mouse mouse;
     int32_t mouse_probe;
     int64_t mouse_browser;                 /* 0: nobody */
-    bool is_refused;                       /* another client holds the probe */
+    bool is_refused;                       /* another program has the probe that it holds */
+    uint8_t tools;                         /* bit n: the scene, once there is one, has tool n */
     int64_t device_ns[SOFTSIM_MAX_PROBES]; /* when another program last moved it; 0: never */
     uint8_t devices;                       /* bit n: one moves probe n */
     uint64_t hand_version;
@@ -91,7 +99,7 @@ struct ss_hub {
 
     command command[COMMANDS];
     uint64_t command_put, command_taken;
-    int64_t asked[COMMANDS]; /* browser of command id, by its remainder */
+    asked asked[ASKED]; /* by the remainder of the id */
     reply reply[REPLIES];
     uint64_t reply_count;
 
@@ -157,17 +165,15 @@ static void take_force(void *context, const softsim_force *force, int64_t receiv
     pthread_mutex_lock(&hub->lock);
     probe_state *probe = &hub->probe[force->probe];
     const bool is_mine = force->sender == softsim_client_sender(hub->client);
-    if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0) {
-        if (is_mine && !hub->is_refused) {
-            hub->is_refused = true;
-            ++hub->hand_version;
-            change(hub);
-        }
-    } else {
-        if (is_mine && hub->is_refused) {
-            hub->is_refused = false;
-            ++hub->hand_version;
-        }
+    const bool is_refused = (force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0;
+    /* Not of one that was let go meanwhile. */
+    if (is_mine && hub->mouse_browser != 0 && force->probe == hub->mouse_probe &&
+        is_refused != hub->is_refused) {
+        hub->is_refused = is_refused;
+        ++hub->hand_version;
+        change(hub);
+    }
+    if (!is_refused) {
         probe->force = *force;
         probe->heard_ns = receive_ns;
         ss_indentation_take(&probe->indentation, force,
@@ -175,6 +181,16 @@ static void take_force(void *context, const softsim_force *force, int64_t receiv
         take_sample(hub, probe, receive_ns);
     }
     pthread_mutex_unlock(&hub->lock);
+}
+
+/* The probe is anyone's again. */
+static void let_go(ss_hub *hub)
+{
+    ss_mouse_drop(&hub->mouse);
+    hub->mouse_browser = 0;
+    hub->is_refused = false;
+    ++hub->hand_version;
+    change(hub);
 }
 
 /* In place of a text; NULL leaves the old one. */
@@ -224,7 +240,15 @@ static void take_scene(void *context, const softsim_scene_report *scene)
 {
     ss_hub *hub = context;
     char *json = ss_json_of_scene(scene, hub->session);
+    uint8_t tools = 0;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        tools |= (uint8_t)(scene->form[p] != SOFTSIM_TOOL_NONE ? 1U << p : 0);
+    }
     pthread_mutex_lock(&hub->lock);
+    hub->tools = tools;
+    if (hub->mouse_browser != 0 && (tools >> hub->mouse_probe & 1) == 0) {
+        let_go(hub);
+    }
     hub->mouse.max_jump_m = max_jump_of(scene);
     if (hub->scene == NULL || json == NULL || strcmp(hub->scene, json) != 0) {
         renew(&hub->scene, json, &hub->scene_version);
@@ -235,16 +259,25 @@ static void take_scene(void *context, const softsim_scene_report *scene)
     pthread_mutex_unlock(&hub->lock);
 }
 
-static void take_reply(void *context, int32_t id, int32_t code, const char *text)
+static void answer(ss_hub *hub, int64_t browser, int32_t code, const char *text)
 {
-    ss_hub *hub = context;
-    pthread_mutex_lock(&hub->lock);
     reply *next = &hub->reply[hub->reply_count % REPLIES];
-    next->browser = hub->asked[(uint32_t)id % COMMANDS];
+    next->browser = browser;
     next->code = code;
     snprintf(next->text, sizeof next->text, "%s", text);
     ++hub->reply_count;
     change(hub);
+}
+
+static void take_reply(void *context, int32_t id, int32_t code, const char *text)
+{
+    ss_hub *hub = context;
+    pthread_mutex_lock(&hub->lock);
+    asked *waits = &hub->asked[(uint32_t)id % ASKED];
+    if (id > 0 && waits->id == id) {
+        answer(hub, waits->browser, code, text);
+        waits->id = 0;
+    }
     pthread_mutex_unlock(&hub->lock);
 }
 
@@ -263,9 +296,7 @@ static void send_pose(ss_hub *hub, int64_t now_ns)
     const bool was_held = hub->mouse.is_held;
     const bool is_due = ss_mouse_move(&hub->mouse, now_ns, &pose);
     if (was_held && !hub->mouse.is_held) {
-        hub->mouse_browser = 0;
-        ++hub->hand_version;
-        change(hub);
+        let_go(hub);
     }
     pose.probe = hub->mouse_probe;
     pose.seq = is_due ? ++hub->pose_seq : 0;
@@ -290,7 +321,12 @@ static void send_commands(ss_hub *hub)
         }
         const int32_t id = softsim_client_send_command(hub->client, next.name, next.argument);
         pthread_mutex_lock(&hub->lock);
-        hub->asked[(uint32_t)id % COMMANDS] = next.browser;
+        if (id > 0) {
+            hub->asked[(uint32_t)id % ASKED] = (asked){id, next.browser};
+        } else {
+            answer(hub, next.browser, 2,
+                   "not sent: give a name and no control characters, or LCM has failed");
+        }
         pthread_mutex_unlock(&hub->lock);
     }
 }
@@ -633,11 +669,7 @@ void ss_hub_drop(ss_hub *hub, const ss_hub_view *view)
 {
     pthread_mutex_lock(&hub->lock);
     if (hub->mouse_browser == view->browser) {
-        ss_mouse_drop(&hub->mouse);
-        hub->mouse_browser = 0;
-        hub->is_refused = false;
-        ++hub->hand_version;
-        change(hub);
+        let_go(hub);
     }
     pthread_mutex_unlock(&hub->lock);
 }
@@ -647,7 +679,8 @@ bool ss_hub_aim(ss_hub *hub, const ss_hub_view *view, int32_t probe, const ss_mo
     pthread_mutex_lock(&hub->lock);
     const bool is_free = hub->mouse_browser == 0;
     const bool is_mine = hub->mouse_browser == view->browser && hub->mouse_probe == probe;
-    bool is_taken = probe >= 0 && probe < SOFTSIM_MAX_PROBES && (is_free || is_mine);
+    bool is_taken = probe >= 0 && probe < SOFTSIM_MAX_PROBES && (is_free || is_mine) &&
+                    (hub->scene == NULL || (hub->tools >> probe & 1) != 0);
     is_taken = is_taken && ss_mouse_aim_at(&hub->mouse, aim, softsim_client_now_ns());
     if (is_taken && is_free) {
         hub->mouse_browser = view->browser;
@@ -659,18 +692,20 @@ bool ss_hub_aim(ss_hub *hub, const ss_hub_view *view, int32_t probe, const ss_mo
     return is_taken;
 }
 
-bool ss_hub_command(ss_hub *hub, const ss_hub_view *view, const char *name, const char *argument)
+void ss_hub_command(ss_hub *hub, const ss_hub_view *view, const char *name, const char *argument)
 {
     pthread_mutex_lock(&hub->lock);
-    const bool has_room = hub->command_put - hub->command_taken < COMMANDS;
-    if (has_room) {
+    if (strcmp(name, "shutdown") == 0) {
+        answer(hub, view->browser, 1, "stop the server where it was started");
+    } else if (hub->command_put - hub->command_taken == COMMANDS) {
+        answer(hub, view->browser, 1, "too many commands wait to be sent; say it again");
+    } else {
         command *next = &hub->command[hub->command_put++ % COMMANDS];
         next->browser = view->browser;
         snprintf(next->name, sizeof next->name, "%s", name);
         snprintf(next->argument, sizeof next->argument, "%s", argument);
     }
     pthread_mutex_unlock(&hub->lock);
-    return has_room;
 }
 
 void ss_hub_record(ss_hub *hub, bool is_wanted)

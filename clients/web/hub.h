@@ -74,10 +74,11 @@ bool ss_hub_is_broken(const ss_hub *hub);
 uint8_t *ss_hub_next(ss_hub *hub, ss_hub_view *view, size_t before, size_t *out_size,
                      bool *out_is_text);
 
-/* Sends a command; the reply comes as a text to that browser alone. False: too many wait. */
-bool ss_hub_command(ss_hub *hub, const ss_hub_view *view, const char *name, const char *argument);
+/* Sends a command; the reply comes as a text to that browser alone. It is of ours when too many
+ * wait or for a shutdown, which is not for whoever looks on. */
+void ss_hub_command(ss_hub *hub, const ss_hub_view *view, const char *name, const char *argument);
 /* Aims the mouse's probe number `probe`, taking it where nobody holds it. False: another browser
- * does, or the aim is bad. */
+ * does, the aim is bad, or the scene, once there is one, has no such tool. */
 bool ss_hub_aim(ss_hub *hub, const ss_hub_view *view, int32_t probe, const ss_mouse_aim *aim);
 /* Lets go of the probe, where this browser holds it. */
 void ss_hub_drop(ss_hub *hub, const ss_hub_view *view);

@@ -12,8 +12,8 @@ static const int64_t PATIENCE_NS = 1500000000;
 static const double RATE = 40.0;   /* rad/s */
 static const double FASTEST = 1.0; /* m/s */
 static const double JUMP_SHARE = 0.25;
-static const double REACH = 0.03;   /* m: further away is approached by silence */
-static const double FARTHEST = 1e3; /* m */
+static const double REACH = 0.03;     /* m: further away is approached by silence */
+static const double FARTHEST = 100.0; /* m, that a server takes */
 
 static bool is_good(const ss_mouse_aim *aim)
 {

@@ -38,7 +38,7 @@ typedef struct ss_mouse {
 } ss_mouse;
 
 /* Takes the probe, or aims it anew. False when a value is not finite, the orientation no unit or
- * the place further than a kilometre away. */
+ * the place further than 100 m away, which no server takes. */
 bool ss_mouse_aim_at(ss_mouse *mouse, const ss_mouse_aim *aim, int64_t now_ns);
 void ss_mouse_drop(ss_mouse *mouse);
 /* Moves on to `now_ns` and fills in the pose's position, orientation, velocity and buttons. False

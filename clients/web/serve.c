@@ -242,11 +242,11 @@ static int begin_file(const ss_serve *serve, struct lws *wsi, browser *b, const 
 static int send_file(ss_serve *serve, struct lws *wsi, browser *b)
 {
     unsigned char chunk[LWS_PRE + CHUNK];
-    const size_t left = (size_t)(b->end - b->at);
-    const size_t size = left < CHUNK ? left : CHUNK;
     if (b->at == NULL) {
         return 0;
     }
+    const size_t left = (size_t)(b->end - b->at);
+    const size_t size = left < CHUNK ? left : CHUNK;
     memcpy(chunk + LWS_PRE, b->at, size);
     b->at += size;
     note_guest(serve, wsi);
@@ -343,7 +343,7 @@ static bool obey(ss_serve *serve, browser *b)
     if (argument != NULL) {
         *argument++ = '\0';
     }
-    (void)ss_hub_command(serve->hub, &b->view, name, argument != NULL ? argument : "");
+    ss_hub_command(serve->hub, &b->view, name, argument != NULL ? argument : "");
     return true;
 }
 

@@ -10,7 +10,7 @@
  *
  * A browser sends lines of text, at most 512 bytes each and 400 a second; who sends more, or what
  * is none of these, is disconnected:
- *   command NAME[ ARGUMENT]
+ *   command NAME[ ARGUMENT]               any but shutdown, which is refused
  *   aim PROBE X Y Z QW QX QY QZ GRASP     m, unit quaternion, 0 or 1
  *   drop
  *   record 0 | record 1

@@ -168,6 +168,28 @@ TEST_WITH(a_browser_is_told_at_first_all_that_is, NULL, end_web)
     }
 }
 
+/* Who looks on ends no server that others use, and keeps nobody out with a tool that is none. */
+TEST_WITH(a_browser_may_not_do_everything, NULL, end_web)
+{
+    start_web("127.0.0.1", NULL, NULL);
+    const int fd = open_browser(), other = open_browser();
+    expect_text(fd, "\"type\": \"scene\"");
+    send_line(fd, "aim 2 0 0.006 0.06 1 0 0 0 0"); /* the kidney has tools 0 and 1 */
+    send_line(fd, "command shutdown");
+    expect_text(fd, "\"type\": \"reply\", \"code\": ");
+    assert_non_null(strstr((const char *)message, "1, \"text\": \"stop the server where"));
+    send_line(other, "aim 0 0 0.006 0.06 1 0 0 0 0");
+    send_line(other, "command status");
+    do {
+        expect_text(other, "\"type\": ");
+        assert_null(strstr((const char *)message, "\"holder\": \"another browser\""));
+    } while (strstr((const char *)message, "\"holder\": \"you\"") == NULL);
+    expect_text(other, "\"type\": \"reply\", \"code\": 0");
+    close(fd);
+    close(other);
+    stop_web(0);
+}
+
 /* Whatever else the server has to say of itself. */
 TEST_WITH(a_browser_knows_that_the_server_is_paused, NULL, end_web)
 {

@@ -374,7 +374,7 @@ TEST(what_is_no_place_is_not_aimed_at)
 {
     const ss_mouse_aim bad[] = {{.position = {(double)NAN, 0, 0}, .orientation = {1, 0, 0, 0}},
                                 {.position = {0, (double)INFINITY, 0}, .orientation = {1, 0, 0, 0}},
-                                {.position = {0, 0, 1e4}, .orientation = {1, 0, 0, 0}},
+                                {.position = {0, 0, 100.5}, .orientation = {1, 0, 0, 0}},
                                 {.orientation = {0, 0, 0, 0}},
                                 {.orientation = {1, 0.1, 0, 0}},
                                 {.orientation = {(double)NAN, 0, 0, 0}}};
