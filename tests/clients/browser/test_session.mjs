@@ -45,6 +45,7 @@ const address = match[1];
 const browser = await launch(pageFolder);
 const faults = [];
 const kind = (page, wanted) => until(page, (name) => document.body.dataset.session === name, wanted);
+const drawnAnew = async (page) => until(page, (before) => softsim.view.frames > before + 1, await page.evaluate(() => softsim.view.frames));
 const text = (page, id) => page.textContent(`#${id}`);
 const kidney = `${scenes}/kidney.yaml`;
 
@@ -155,7 +156,7 @@ server = await serve(`${work}/no-mesh.yaml`);
 await until(page, () => document.getElementById('scene-name').textContent.startsWith('no-mesh.yaml') && document.body.dataset.session === 'loading');
 await until(page, () => document.getElementById('banner-head').textContent === 'The server sends no body');
 assert.deepEqual(await page.evaluate(() => [softsim.body.visible, softsim.tools.visible]), [false, false]);
-await until(page, (before) => softsim.view.frames > before + 1, await page.evaluate(() => softsim.view.frames));
+await drawnAnew(page);
 assert.ok((await drawn(page)) < 0.001, 'no body is drawn');
 await page.mouse.move(x, y);
 await page.mouse.down();
@@ -164,7 +165,10 @@ await page.mouse.up();
 await page.screenshot({ path: `${pictures}/no-mesh.png` });
 
 // What is drawn anew leaves nothing of the old behind on the graphics card.
-const memory = () => page.evaluate(() => ({ ...softsim.view.renderer.info.memory }));
+const memory = async () => {
+  await drawnAnew(page); // what is not drawn yet is not there yet
+  return page.evaluate(() => ({ ...softsim.view.renderer.info.memory }));
+};
 await kill(server);
 server = await serve(kidney);
 await kind(page, 'live');
@@ -178,12 +182,22 @@ await kind(page, 'live');
 await rest(page);
 assert.deepEqual(await memory(), held);
 
+// What a slow disk loses is told while it does.
+const recording = (lost) => page.evaluate((count) => {
+  softsim.link.tell('recording', { is_recording: true, files: [], fault: '', lost: count, is_temporary: true });
+  return document.getElementById('recording-note').textContent;
+}, lost);
+assert.equal(await recording(0), '');
+assert.match(await recording(12), /12 messages are lost/);
+await page.evaluate(() => softsim.link.tell('recording', { is_recording: false, files: [], fault: '', lost: 0, is_temporary: true }));
+
 // softsim-web started again at the same port knows neither the hand nor the recordings of its last run:
 // one browser held the tool, another watched, a recording was done and one under way.
 await page.click('#record');
 await until(page, () => document.getElementById('record').textContent === 'Stop');
 await page.click('#record');
 await until(page, () => document.querySelectorAll('#recordings a').length === 1);
+assert.match(await text(page, 'recording-note'), /^Recordings go when softsim-web ends/); // it was given no folder
 await page.click('#record');
 await until(page, () => document.getElementById('record').textContent === 'Stop');
 const watcher = await open(browser, address);
@@ -192,7 +206,10 @@ await page.mouse.move(x, y);
 await page.mouse.down();
 await until(watcher, () => document.getElementById('who').textContent.startsWith('Another browser holds the tool'));
 await kill(web);
-for (const each of [page, watcher]) await kind(each, 'lost');
+for (const each of [page, watcher]) {
+  await kind(each, 'lost');
+  assert.deepEqual([await text(each, 'record'), await each.locator('#recordings a').count(), await each.evaluate(() => softsim.hand.isOthers)], ['Record', 0, false]);
+}
 ({ child: web } = await start(/in a browser/, 'softsim-web', '--port', new URL(address).port));
 for (const each of [page, watcher]) {
   await each.bringToFront();
