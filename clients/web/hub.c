@@ -566,7 +566,7 @@ static uint8_t *hand_text(const ss_hub *hub, const ss_hub_view *view, size_t bef
     snprintf(text, sizeof text,
              "{\"type\": \"hand\", \"holder\": \"%s\", \"refused\": %s, \"probe\": %d, "
              "\"devices\": [%s]}",
-             who, hub->is_refused && hub->mouse_browser != 0 ? "true" : "false",
+             who, hub->is_refused ? "true" : "false",
              hub->mouse_browser != 0 ? hub->mouse_probe : -1, devices);
     return text_message(text, before, size);
 }

@@ -152,11 +152,54 @@ static inline const char *write_block(const body *b)
     return write_text(b->name, text);
 }
 
+/* The world of a scene with `count` more values, as --set takes them. */
+static inline softsim_world *open_scene(const char *path, const char *const *set, int32_t count)
+{
+    softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    config.set = set;
+    config.set_count = count;
+    config.import_program = BIN_DIR "/softsim-import";
+    softsim_world *world = softsim_create(path, &config, &error);
+    if (world == NULL) {
+        fail_msg("%s", error.text);
+    }
+    return world;
+}
+
+/* The same of a body's bundled scene, or of the block. */
+static inline softsim_world *open_body(const body *b, const char *const *set, int32_t count)
+{
+    char path[512];
+    (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s", b->scene ? b->scene : "");
+    return open_scene(b->scene ? path : write_block(b), set, count);
+}
+
+static inline int make_folder_with_block(void **state)
+{
+    const int result = make_folder(state);
+    write_block_mesh();
+    return result;
+}
+
+/* `chainmail` refuses a scene with that value, and says `words`. */
+static inline void expect_chainmail_refuses(const char *set, const char *words)
+{
+    static const body mail = {
+        "chainmail", NULL, "  name: chainmail\n  alpha: 0.05\n  beta: 0.05\n", NULL, ON_BLOCK, 0.0};
+    softsim_config config = softsim_default_config();
+    softsim_error error = {0};
+    config.set = &set;
+    config.set_count = 1;
+    assert_null(softsim_create(write_block(&mail), &config, &error));
+    assert_non_null(strstr(error.text, words));
+    assert_int_equal(error.fault_count, 1);
+}
+
 /* `mesh` is the kidney's, as --set takes it. */
 static inline softsim_world *make_world_on(const body *b, double limit, const char *mesh)
 {
-    char path[512], force[64];
-    (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s", b->scene ? b->scene : "");
+    char force[64];
     (void)snprintf(force, sizeof force, "haptic.max_force_n=%g", limit);
     const bool is_kidney = b->scene && strcmp(b->scene, "kidney.yaml") == 0;
     const char *set[3] = {force};
@@ -167,16 +210,7 @@ static inline softsim_world *make_world_on(const body *b, double limit, const ch
     if (is_kidney) {
         set[count++] = mesh;
     }
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.set = set;
-    config.set_count = count;
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(b->scene ? path : write_block(b), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", b->name, error.text);
-    }
-    return world;
+    return open_body(b, set, count);
 }
 
 static inline softsim_world *make_world(const body *b, double limit)

@@ -161,12 +161,7 @@ TEST(tissue_against_a_wall_does_not_swing)
 {
     static const double touch = 0.046, depth = 0.014;
     enum { PRESS = 400, HOLD = 1000, LOOK = 300 };
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world =
-        softsim_create(SOURCE_DIR "/server/scenes/ed0-tissue.yaml", &config, &error);
-    assert_non_null(world);
+    softsim_world *world = open_scene(SOURCE_DIR "/server/scenes/ed0-tissue.yaml", NULL, 0);
     double least = INFINITY, most = 0.0, mean = 0.0, step = 0.0, last = 0.0;
     for (int n = 0; n < PRESS + HOLD; ++n) {
         const double z = touch + 0.004 - (depth + 0.004) * smooth((double)n / PRESS);
@@ -201,15 +196,7 @@ static double press_and_hold(const still_hand *p, double *out_most)
 {
     enum { PRESS = 600, LOOK = 500 };
     const int32_t count = PRESS + (int32_t)(1000.0 * p->seconds);
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.set = p->set;
-    config.set_count = 2;
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(p->scene, &config, &error);
-    if (world == NULL) {
-        fail_msg("%s", error.text);
-    }
+    softsim_world *world = open_scene(p->scene, p->set, 2);
     double mean = 0.0, first[3] = {0.0, 0.0, 0.0};
     *out_most = 0.0;
     for (int32_t n = 0; n < count; ++n) {

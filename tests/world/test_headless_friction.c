@@ -27,26 +27,10 @@ static const body models[] = {
 };
 enum { MODELS = sizeof models / sizeof *models };
 
-static softsim_world *open_world(const body *b, const char *const *set, int32_t count)
-{
-    char path[512];
-    (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s", b->scene ? b->scene : "");
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.set = set;
-    config.set_count = count;
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(b->scene ? path : write_block(b), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", b->name, error.text);
-    }
-    return world;
-}
-
 static softsim_world *rough(const body *b, const char *more)
 {
     const char *const set[] = {"contact.friction=0.3", more};
-    return open_world(b, set, more != NULL ? 2 : 1);
+    return open_body(b, set, more != NULL ? 2 : 1);
 }
 
 /* A hand on a body: `in` deep, `side` and `up` (m) along the surface. */
@@ -107,7 +91,7 @@ TEST(slides_with_mu_f_against_the_motion)
     for (int m = 0; m < (int)FULL_IN_RELEASE(MODELS, 1); ++m) {
         const body *b = &models[m];
         hand rough_hand = press(rough(b, NULL), b, b->depth);
-        hand smooth_hand = press(open_world(b, NULL, 0), b, b->depth);
+        hand smooth_hand = press(open_body(b, NULL, 0), b, b->depth);
         hand *h = &rough_hand;
         double sum = 0.0, normal = 0.0, across = 0.0, most = 0.0;
         h->largest = 0.0;
@@ -141,7 +125,7 @@ TEST(sticks_up_to_mu_f)
 {
     const body *b = &models[0];
     hand h = press(rough(b, NULL), b, b->depth);
-    hand bare = press(open_world(b, NULL, 0), b, b->depth);
+    hand bare = press(open_body(b, NULL, 0), b, b->depth);
     const double offset = part(h.force.force, b->side) - part(bare.force.force, b->side);
     double first = 0.0, largest = 0.0;
     for (int n = 1; n <= 600; ++n) {
@@ -268,7 +252,7 @@ TEST(a_region_has_its_own)
         place.touch[0] = half ? 0.015 : -0.015;
         place.side[0] = 0.0;
         place.side[1] = 1.0;
-        hand h = press(open_world(&place, set, 1), &place, place.depth);
+        hand h = press(open_body(&place, set, 1), &place, place.depth);
         double sum = 0.0, normal = 0.0;
         for (int n = 1; n <= 800; ++n) {
             const double *f = move(&h, place.depth, 1e-5 * n, 0.0);
@@ -294,7 +278,7 @@ TEST(a_tool_with_extent_feels_a_torque)
         const char *const set[] = {
             "contact.tools=[{probe: 0, shape: {capsule: {radius_mm: 4, length_mm: 20}}}]",
             is_rough ? "contact.friction=0.3" : "contact.friction=0"};
-        softsim_world *world = open_world(b, set, 2);
+        softsim_world *world = open_body(b, set, 2);
         softsim_force force = {.seq = -1};
         for (int n = 0; n <= 700; ++n) {
             const double x[3] = {0.0, 0.0, 0.0245 - 0.003 * smooth(n / 300.0)};
@@ -319,27 +303,11 @@ TEST(a_tool_with_extent_feels_a_torque)
 
 TEST(a_model_that_cannot_says_so)
 {
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    static const body mail = {
-        "chainmail", NULL, "  name: chainmail\n  alpha: 0.05\n  beta: 0.05\n", NULL, ON_BLOCK, 0.0};
-    static const char *const set[] = {"contact.friction=0.3"};
-    config.set = set;
-    config.set_count = 1;
-    assert_null(softsim_create(write_block(&mail), &config, &error));
-    assert_non_null(strstr(error.text, "contact.friction: chainmail cannot"));
-    assert_non_null(strstr(error.text, "corotational"));
-    assert_int_equal(error.fault_count, 1);
-}
-
-static int make_block(void **state)
-{
-    const int result = make_folder(state);
-    write_block_mesh();
-    return result;
+    expect_chainmail_refuses("contact.friction=0.3", "contact.friction: chainmail cannot");
+    expect_chainmail_refuses("contact.friction=0.3", "corotational");
 }
 
 int main(void)
 {
-    return run_all_tests(make_block, remove_folder);
+    return run_all_tests(make_folder_with_block, remove_folder);
 }

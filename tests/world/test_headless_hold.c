@@ -92,22 +92,10 @@ enum { FIRST = 8, GRIPS = sizeof grips / sizeof *grips };
 
 static softsim_world *make_gripped(const grip *g)
 {
-    char shape[128], path[512];
+    char shape[128];
     (void)snprintf(shape, sizeof shape, "contact.tools=[{probe: 0, shape: %s}]", g->shape);
-    (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s",
-                   g->body.scene ? g->body.scene : "");
     const char *const set[] = {shape, g->rate};
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.set = set;
-    config.set_count = 2;
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world =
-        softsim_create(g->body.scene ? path : write_block(&g->body), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", g->body.name, error.text);
-    }
-    return world;
+    return open_body(&g->body, set, 2);
 }
 
 /* ms: pressed in, grasped, drawn out, aside and back to where it was, lifted and turned, held. */

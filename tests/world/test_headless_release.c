@@ -82,16 +82,7 @@ static softsim_world *make(const row *r)
     (void)snprintf(tools, sizeof tools, "contact.tools=[{probe: 0, shape: {%s}}]", r->tool->shape);
     (void)snprintf(rate, sizeof rate, "simulation.rate_hz=%g", r->rate_hz);
     const char *const set[] = {tools, rate};
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.set = set;
-    config.set_count = 2;
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(path, &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", r->place->scene, error.text);
-    }
-    return world;
+    return open_scene(path, set, 2);
 }
 
 static double part(int n, int from, int to)

@@ -38,21 +38,11 @@ static const double rates[] = {1000.0, 100.0};
 /* `limit` 0: the key is not given. */
 static softsim_world *make(const body *b, double rate_hz, double limit)
 {
-    char path[512], rate[64], most[64];
-    (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s", b->scene ? b->scene : "");
+    char rate[64], most[64];
     (void)snprintf(rate, sizeof rate, "simulation.rate_hz=%g", rate_hz);
     (void)snprintf(most, sizeof most, "contact.grasp_max_force_n=%.17g", limit);
     const char *const set[] = {rate, most};
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.set = set;
-    config.set_count = limit > 0.0 ? 2 : 1;
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(b->scene ? path : write_block(b), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", b->name, error.text);
-    }
-    return world;
+    return open_body(b, set, limit > 0.0 ? 2 : 1);
 }
 
 static double part(int n, int from, int to)
@@ -153,26 +143,11 @@ TEST(a_grasp_is_torn_at_its_force_and_below_it_holds)
 
 TEST(a_model_without_the_force_says_so)
 {
-    static const body mail = {
-        "chainmail", NULL, "  name: chainmail\n  alpha: 0.05\n  beta: 0.05\n", NULL, ON_BLOCK, 0.0};
-    static const char *const set[] = {"contact.grasp_max_force_n=2"};
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.set = set;
-    config.set_count = 1;
-    assert_null(softsim_create(write_block(&mail), &config, &error));
-    assert_non_null(strstr(error.text, "contact.grasp_max_force_n: what chainmail grasps"));
-    assert_int_equal(error.fault_count, 1);
-}
-
-static int make_block(void **state)
-{
-    const int result = make_folder(state);
-    write_block_mesh();
-    return result;
+    expect_chainmail_refuses("contact.grasp_max_force_n=2",
+                             "contact.grasp_max_force_n: what chainmail grasps");
 }
 
 int main(void)
 {
-    return run_all_tests(make_block, remove_folder);
+    return run_all_tests(make_folder_with_block, remove_folder);
 }
