@@ -93,10 +93,9 @@ start_web() {
 if [ -n "$web" ] && [ -x $bin/softsim-web ]; then
   start_web || start_web --port 0 || cat "$work/web" >&2
 fi
-source server/scenes/kidney-poke.sh
 bridge=()
 [ "$seconds" = 0 ] || bridge=(--duration "$seconds")
-$bin/softsim-bridge --device sim --script slide --prefix "$prefix" $KIDNEY_BRIDGE "${bridge[@]}" >"$work/bridge" 2>&1 &
+$bin/softsim-bridge --device sim --script slide --prefix "$prefix" "${bridge[@]}" >"$work/bridge" 2>&1 &
 client=$!
 pids+=("$client")
 $bin/softsim-monitor --prefix "$prefix" "${bridge[@]}" &

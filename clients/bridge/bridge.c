@@ -158,6 +158,25 @@ static void make_pose(ss_bridge *bridge, int64_t now_ns, softsim_pose *out_pose)
     ss_corrector_note_pose(&bridge->corrector, bridge->seq, now_ns, out_pose->position);
 }
 
+static void note_place(ss_bridge_summary *s, const double position[3])
+{
+    s->way_every = s->way_every > 0 ? s->way_every : 1;
+    if (s->ticks % s->way_every != 0) {
+        return;
+    }
+    if (s->way_count == SS_BRIDGE_WAY) {
+        s->way_count = SS_BRIDGE_WAY / 2;
+        s->way_every *= 2;
+        for (int32_t i = 0; i < s->way_count; ++i) {
+            ss_copy3(s->way[i], s->way[2 * i]);
+        }
+        if (s->ticks % s->way_every != 0) {
+            return;
+        }
+    }
+    ss_copy3(s->way[s->way_count++], position);
+}
+
 /* Exerts the force in effect for one period, corrected to `pose`, and names it there. */
 static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
 {
@@ -175,6 +194,7 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     if (size > bridge->device.max_exerted_n) {
         ss_scale3(device, device, bridge->device.max_exerted_n / size);
     }
+    note_place(&bridge->summary, pose->position);
     ss_copy3(bridge->device_force, device);
     ss_frame_force_to_world(&bridge->frame, device, bridge->applied_world);
     bridge->device.exert(bridge->device.state, device);

@@ -41,6 +41,8 @@ typedef struct ss_bridge_config {
     const char *program;      /* before what stderr is told; NULL: nothing is */
 } ss_bridge_config;
 
+enum { SS_BRIDGE_WAY = 512 };
+
 typedef struct ss_bridge_summary {
     int64_t ticks, late_ticks, contact_ticks;
     int64_t forces, lost; /* lost: on the simulated bus, both directions */
@@ -53,6 +55,11 @@ typedef struct ss_bridge_summary {
     bool has_stopped;  /* forces came, and were away at the end */
     bool has_withheld; /* two servers were heard */
     bool is_complete;  /* ran to its own end, or has none and was stopped */
+    /* Places that the tool was at: every `way_every`-th period's, thinned out when there is no more
+     * room. For one that has missed the tissue. */
+    double way[SS_BRIDGE_WAY][3];
+    int32_t way_count;
+    int64_t way_every;
 } ss_bridge_summary;
 
 typedef struct ss_bridge {

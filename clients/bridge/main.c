@@ -15,8 +15,10 @@
 #include "rt/files.h"
 #include "rt/program.h"
 #include "rt/thread.h"
+#include "rt/vec.h"
 #include "silence.h"
 #include "softsim/client.h"
+#include "tissue.h"
 
 enum { DEFAULT_TICKS = 2000, MAX_OPTIONS = 64, MAX_NAMES = 256 };
 
@@ -32,6 +34,13 @@ typedef struct options {
 static const char usage[] = "--device NAME [options]";
 static const char about[] =
     "Connects a device to a softsimd: poses at 1 kHz, forces corrected to the present position.";
+
+/* Is the tissue to be found? A simulated hand moves about the contact, wherever that is. */
+static bool is_auto(const options *o)
+{
+    return o->offset != NULL ? strcmp(o->offset, "auto") == 0
+                             : o->kind != NULL && o->kind->is_hand && isnan(o->linear_tissue);
+}
 
 /* Options that only one device or one mode knows are faults elsewhere. */
 static void check_options(const options *o, const char *names, softsim_error *error)
@@ -51,7 +60,7 @@ static void check_options(const options *o, const char *names, softsim_error *er
         }
     }
     if (is_linear && ((kind && !kind->is_hand) || o->scale != 1.0 || o->force_scale != 1.0 ||
-                      strcmp(o->axes, "x,y,z") != 0 || strcmp(o->offset, "0,0,0") != 0 ||
+                      strcmp(o->axes, "x,y,z") != 0 || o->offset != NULL ||
                       o->delay_ms + o->jitter_ms + o->loss + o->outlier > 0.0)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--linear-tissue goes with --device sim, in the contact frame, and knows "
@@ -86,7 +95,6 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
                    .scale = 1.0,
                    .force_scale = 1.0,
                    .axes = "x,y,z",
-                   .offset = "0,0,0",
                    .linear_tissue = NAN};
     const ss_arg common[] = {
         SS_CHOICE("--device", &o->device, names, help),
@@ -97,9 +105,11 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         SS_TEXT("--axes", &o->axes, "x,-z,y",
                 "the device axis, with sign, of each world axis (x,y,z)"),
         {"--scale", SS_ARG_NUMBER, &o->scale, 1e-3, 1e3, "X", "world metres a device metre (1)"},
-        SS_TEXT("--offset-m", &o->offset, "X,Y,Z",
-                "world position of the device's origin (0,0,0); for sim a tool's radius above the "
-                "tissue, along the script's z"),
+        SS_TEXT(
+            "--offset-m", &o->offset, "X,Y,Z|auto",
+            "world position of the device's origin (0,0,0); auto, which sim has by itself: where "
+            "the tool just touches the tissue as the server publishes it, coming along the "
+            "device's -z"),
         {"--force-scale", SS_ARG_NUMBER, &o->force_scale, 0, 100, "X",
          "device newtons a world newton (1)"},
         SS_CHOICE("--correct", &o->correct, "on|off",
@@ -156,6 +166,74 @@ static int64_t tick_count(const options *o)
     return by_time < by_ticks ? by_time : by_ticks;
 }
 
+/* The device's own direction towards the hand, in the world. */
+static void find_towards(const ss_frame *frame, double out[3])
+{
+    static const double up[3] = {0.0, 0.0, 1.0};
+    ss_frame_velocity(frame, up, out);
+    ss_normalize3(out);
+}
+
+/* Puts the device's origin where the tool just touches. False with the reason. */
+static bool place_above(const char *program, const options *o, ss_frame *frame,
+                        softsim_error *error)
+{
+    const softsim_client_config config = {.lcm_url = o->lcm_url, .prefix = o->prefix};
+    ss_tissue tissue;
+    ss_touch touch;
+    double towards[3];
+    if (!ss_tissue_hear(&config, (int32_t)o->probe, &tissue, error)) {
+        return false;
+    }
+    find_towards(frame, towards);
+    const bool is_found = ss_touch_find(&tissue.body, towards, &tissue.end, &touch);
+    const char *tool = tissue.tool;
+    ss_tissue_free(&tissue);
+    if (!is_found) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_ARGUMENT,
+            "--offset-m auto: from %.2g,%.2g,%.2g no free tissue can be pressed; come "
+            "from another side, such as --axes z,x,y (from +x) or x,-y,-z (from -z), "
+            "or give --offset-m X,Y,Z",
+            towards[0], towards[1], towards[2]);
+        return false;
+    }
+    ss_copy3(frame->offset_m, touch.origin);
+    fprintf(stderr, "%s: --offset-m %.4f,%.4f,%.4f is where the %s just touches the tissue\n",
+            program, touch.origin[0], touch.origin[1], touch.origin[2], tool);
+    return true;
+}
+
+/* A run that touched nothing: how near was the tissue? */
+static void tell_miss(const char *program, const softsim_client_config *config, int32_t probe,
+                      const ss_bridge_summary *s)
+{
+    ss_tissue tissue;
+    softsim_error error = {.status = SOFTSIM_OK};
+    double least = INFINITY, place[3] = {0}, nearest[3], on[3] = {0};
+    if (!ss_tissue_hear(config, probe, &tissue, &error)) {
+        fprintf(stderr, "%s: the tool has touched nothing, and how far it was cannot be told\n",
+                program);
+        return;
+    }
+    for (int32_t i = 0; i < s->way_count; ++i) {
+        const double distance = ss_touch_distance(&tissue.body, s->way[i], nearest);
+        if (distance < least) {
+            least = distance;
+            ss_copy3(place, s->way[i]);
+            ss_copy3(on, nearest);
+        }
+    }
+    fprintf(
+        stderr,
+        "%s: the tool has touched nothing: at its nearest, %.4f,%.4f,%.4f, its centre was %.1f "
+        "mm from the tissue at %.4f,%.4f,%.4f, and the %s reaches %.1f mm; give --offset-m auto, "
+        "or another --offset-m\n",
+        program, place[0], place[1], place[2], 1e3 * least, on[0], on[1], on[2], tissue.tool,
+        1e3 * (tissue.end.below + (tissue.end.is_round ? tissue.end.radius : 0.0)));
+    ss_tissue_free(&tissue);
+}
+
 static void report(const ss_bridge_summary *s, bool is_linear)
 {
     const double ticks = s->ticks > 0 ? (double)s->ticks : 1.0;
@@ -208,6 +286,8 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
                 "move --offset-m out along the surface's normal, or begin once the server is "
                 "ready\n",
                 program);
+    } else if (bridge->summary.contact_ticks == 0 && bridge->summary.is_complete) {
+        tell_miss(program, &config, (int32_t)o->probe, &bridge->summary);
     }
     const ss_bridge_summary *s = &bridge->summary;
     return is_good && s->forces > 0 && !s->has_stopped && !s->has_withheld ? EXIT_SUCCESS
@@ -290,11 +370,16 @@ int main(int argc, char **argv)
     if (parsed == SS_ARGS_DONE) {
         return ss_program_finish(program, EXIT_SUCCESS);
     }
-    ss_frame_init(&frame, o.axes, o.offset, o.scale, o.force_scale, &error);
+    ss_frame_init(&frame, o.axes, is_auto(&o) || o.offset == NULL ? "0,0,0" : o.offset, o.scale,
+                  o.force_scale, &error);
     if (error.fault_count > 0) {
         ss_args_print_error(program, &error);
         return SS_EXIT_BAD_INPUT;
     }
     ss_process_catch_stop();
+    if (is_auto(&o) && !place_above(program, &o, &frame, &error)) {
+        ss_args_print_error(program, &error);
+        return ss_program_finish(program, EXIT_FAILURE);
+    }
     return ss_program_finish(program, run(program, &o, &frame, &error));
 }

@@ -11,8 +11,8 @@
 SERVED_TEST(a_stopped_bridge_keeps_its_file)
 {
     const char *csv = in_folder("s.csv"), *part = in_folder("s.csv.part");
-    const char *const served[] = {"softsim-bridge", "--device", "sim", "--duration",
-                                  "1000",           "--csv",    csv,   NULL};
+    const char *const served[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0",
+                                  "--duration",     "1000",     "--csv", csv,          NULL};
     const char *const linear[] = {
         "softsim-bridge", "--device", "sim", "--linear-tissue", "500", "--ticks", "1e9",
         "--csv",          csv,        NULL};
@@ -35,7 +35,8 @@ SERVED_TEST(a_stopped_bridge_keeps_its_file)
 SERVED_TEST(a_killed_bridge_leaves_what_it_recorded)
 {
     const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
-    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
+                                "0,0,0",          "--csv",    csv,   NULL};
     start_server();
     process_start(&child, argv, NULL);
     wait_for_file(part);
@@ -75,7 +76,8 @@ SERVED_TEST(a_killed_bridge_leaves_what_it_recorded)
 SERVED_TEST(a_hangup_ends_in_order)
 {
     const char *csv = in_folder("h.csv");
-    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--csv", csv, NULL};
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
+                                "0,0,0",          "--csv",    csv,   NULL};
     run_until_stopped(argv, SIGHUP, 0);
     assert_non_null(strstr(child.out, "peak force"));
     assert_true(count_lines(csv) > 50);
@@ -87,7 +89,9 @@ SERVED_TEST(closed_descriptors_write_into_no_file)
     const char *csv = in_folder("c.csv");
     char command[512];
     snprintf(command, sizeof command,
-             BIN_DIR "/softsim-bridge --device sim --ticks 50 --csv %s 2>&- >/dev/null", csv);
+             BIN_DIR
+             "/softsim-bridge --device sim --offset-m 0,0,0 --ticks 50 --csv %s 2>&- >/dev/null",
+             csv);
     const int status = system(command);
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1); /* no force came */
     assert_int_equal(count_lines(csv), 51);
@@ -163,6 +167,8 @@ SERVED_TEST(bridge_models_a_bad_bus)
     const char *const argv[] = {"softsim-bridge",
                                 "--device",
                                 "sim",
+                                "--offset-m",
+                                "0,0,0",
                                 "--ticks",
                                 "800",
                                 "--delay-ms",
@@ -196,14 +202,16 @@ SERVED_TEST(bridge_models_a_bad_bus)
 
 SERVED_TEST(bridge_without_a_server_fails_and_says_so)
 {
-    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "50", NULL};
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
+                                "0,0,0",          "--ticks",  "50",  NULL};
     assert_int_equal(process_run(&child, argv), 1);
     assert_non_null(strstr(child.err, "no force came"));
 }
 
 SERVED_TEST(bridge_tells_that_forces_stop)
 {
-    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "2400", NULL};
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",  "--offset-m",
+                                "0,0,0",          "--ticks",  "2400", NULL};
     stand_in.mute_from = 300;
     stand_in.mute_until = INT32_MAX;
     run_served(argv, 1);
@@ -236,7 +244,8 @@ SERVED_TEST(bridge_tells_that_forces_stop)
 
 SERVED_TEST(bridge_tells_whose_the_probe_is)
 {
-    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "800", NULL};
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
+                                "0,0,0",          "--ticks",  "800", NULL};
     stand_in.other_until = 400;
     stand_in.is_entering = true; /* not by its own doing: no hint */
     run_served(argv, 0);
@@ -263,7 +272,8 @@ SERVED_TEST(bridge_tells_whose_the_probe_is)
 
 SERVED_TEST(bridge_tells_that_it_began_inside)
 {
-    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--ticks", "300", NULL};
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
+                                "0,0,0",          "--ticks",  "300", NULL};
     stand_in.is_entering = true;
     start_server();
     process_start(&child, argv, NULL);

@@ -12,7 +12,7 @@ static process patient, asking; /* wait all the while for a server that never co
 /* What is felt at a probe is shown to who only watches. */
 SERVED_TEST(monitor_shows_force_and_indentation)
 {
-    const char *const bridge[] = {"softsim-bridge", "--device", "sim", NULL};
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim", "--offset-m", "0,0,0", NULL};
     const char *const monitor[] = {"softsim-monitor", NULL};
     static process hand;
     stand_in.sends_status = true;

@@ -47,7 +47,7 @@ taskset -c "$core" "$bin/softsimd" "$scene" --log-level error >"$folder/out" 2>"
 server=$!
 trap 'kill $server $bridge $monitor 2>/dev/null; rm -rf "$folder"' EXIT
 until grep -q ready "$folder/out"; do sleep 0.1; done
-taskset -c "$core" "$bin/softsim-bridge" --device sim >/dev/null 2>"$folder/bridge" &
+taskset -c "$core" "$bin/softsim-bridge" --device sim --offset-m 0,0,0 >/dev/null 2>"$folder/bridge" &
 bridge=$!
 sleep 2
 

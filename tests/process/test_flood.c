@@ -46,7 +46,8 @@ TEST_WITH(every_program_starts_under_fragments, make_folder, end_all)
     enum { STARTS = 4 };
     const char *const server[] = {"softsimd", tube(), "--duration", "0.05", NULL};
     const char *const monitor[] = {"softsim-monitor", "--once", "--json", NULL};
-    const char *const bridge[] = {"softsim-bridge", "--device", "sim", "--ticks", "700", NULL};
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim", "--offset-m",
+                                  "0,0,0",          "--ticks",  "700", NULL};
     FILE *file = open_file("still.csv");
     fputs("time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,3,1,0,0,0,0\n0.7,0,0,0,3,1,0,0,0,0\n",
           file);
@@ -164,7 +165,7 @@ static void listen_accepted(listener *l, int64_t count)
 
 static void start_bridge(listener *l)
 {
-    const char *const bridge[] = {"softsim-bridge", "--device", "sim", NULL};
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim", "--offset-m", "0,0,0", NULL};
     process_start(&client, bridge, NULL);
     listen_accepted(l, 200);
 }

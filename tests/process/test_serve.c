@@ -155,8 +155,8 @@ TEST_WITH(monitor_sends_commands, make_folder, tear_down)
         }
     }
     /* A pose for a probe that the scene has no tool for: the status knows why nothing answers. */
-    const char *const bridge[] = {"softsim-bridge", "--device", "sim", "--probe", "5",
-                                  "--ticks",        "50",       NULL};
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim",     "--offset-m", "0,0,0",
+                                  "--probe",        "5",        "--ticks", "50",         NULL};
     assert_int_equal(process_run(&client, bridge), 1);
     assert_non_null(strstr(client.err, "(wrong probe); has its scene a tool for probe 5"));
     assert_int_equal(stop_daemon(), 0);
