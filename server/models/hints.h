@@ -94,6 +94,11 @@ typedef struct ss_model_hints {
     /* The lines under `model:` of a scene; NULL: modulus, Poisson's ratio, density and damping, as
      * far as the model has them (ss_hints_write_solid). */
     void (*write)(FILE *file, const struct ss_model_class *model, const ss_hints_setting *setting);
+    /* The same for an organ to feel, of a model whose constants are not physical: it comes back to
+     * its rest shape, does not ring, and presses as the body would once `scale` is found by a
+     * press. NULL: it has physical constants. */
+    void (*write_organ)(FILE *file, const struct ss_model_class *model,
+                        const ss_hints_setting *setting);
     /* The lowest frequency (1/s) that follows from the parameters; NULL: to be measured. */
     double (*omega)(const ss_hints_setting *setting);
     ss_hints_fitted fitted[SS_HINTS_MAX_FITTED];

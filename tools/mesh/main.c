@@ -19,6 +19,8 @@ static const struct {
     {"convert", command_convert, "softsim-mesh convert", "to another format; mends on demand"},
     {"tetrahedralize", command_tetrahedralize, "softsim-mesh tetrahedralize",
      "fills a closed surface, by tetgen"},
+    {"scene", command_scene, "softsim-mesh scene",
+     "writes a scene of a mesh and a tissue, and presses it"},
     {"generate", command_generate, "softsim-mesh generate", "writes a kidney, liver, block ..."},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
@@ -50,7 +52,7 @@ static int run(int argc, char **argv)
     }
     ss_plain_print(
         stderr,
-        "softsim-mesh: '%s' is not one of info, check, convert, tetrahedralize, generate; "
+        "softsim-mesh: '%s' is not one of info, check, convert, tetrahedralize, scene, generate; "
         "softsim-mesh --help says more\n",
         name);
     return 2;

@@ -278,6 +278,13 @@ static void write_case(FILE *file, const ss_model_class *model, const ss_hints_s
             setting->scale * setting->body->youngs_modulus * setting->body->size * 0.01);
 }
 
+static void write_organ(FILE *file, const ss_model_class *model, const ss_hints_setting *setting)
+{
+    (void)model;
+    fprintf(file, "  alpha: 0.01\n  link_stiffness_n_per_m: %.4g\n  leak_resistance: 200\n",
+            setting->scale * setting->body->youngs_modulus * setting->body->size * 0.1);
+}
+
 static const ss_hints_variant variant = {
     .name = "cnn-chainmail",
     .text = "",
@@ -292,6 +299,7 @@ static const ss_model_hints hints = {
     .free_count = 1,
     .free = {{"alpha", 1e-4, 0.02, 4e-3}}, /* an elastic body has no toe */
     .write = write_case,
+    .write_organ = write_organ,
     .fitted = {{"link_stiffness_n_per_m", false, 0.0},
                {"alpha", false, 0.02},
                {"capacitance_s", true, 0.0}},

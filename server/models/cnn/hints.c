@@ -42,6 +42,21 @@ static void write(FILE *file, const ss_model_class *model, const ss_hints_settin
     }
 }
 
+/* The ratios of the bundled kidney, whose modulus and size give T0 = 1 J. */
+static void write_organ(FILE *file, const ss_model_class *model, const ss_hints_setting *k)
+{
+    (void)model;
+    const double t0 = tension(k), size = k->body->size;
+    fprintf(file,
+            "  modulus_j: %.4g\n  pretension_j: %.4g\n  rest_stiffness_n_per_m3: %.4g\n"
+            "  area_density_kg_m2: %.4g\n  damping_n_s_per_m3: %.4g\n",
+            5.0 * t0, t0, 15.0 * t0 / pow(size, 4.0), area_density(k),
+            5.0 * k->damping * area_density(k));
+    if (k->body->is_closed) {
+        fprintf(file, "  enclosed_bulk_pa: %.4g\n", 7.0 * t0 / pow(size, 3.0));
+    }
+}
+
 /* As stiff as a block of 10 kPa, about: E L^3 times a factor. */
 static const ss_hints_variant variants[] = {
     {.name = "cnn-energy surface",
@@ -72,6 +87,7 @@ const ss_model_hints ss_cnn_hints = {
     .free_count = 3,
     .free = {{"ks/T0", 1.0, 1e5, 60.0}, {"B/T0", 1e-2, 1e5, 100.0}, {"E/T0", 1e-3, 1e2, 0.03}},
     .write = write,
+    .write_organ = write_organ,
     .omega = omega,
     .fitted = {{"modulus_j", false, 0.0},
                {"modulus_n_per_m", false, 0.0},

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * What softsim-mesh scene has decided, and the parts that it is made by: organ_text.c writes it as
+ * a scene, organ_picture.c draws it, scene.c decides. SI, world frame.
+ */
+#include <stdio.h>
+
+#include "contact/touch.h"
+#include "models/model.h"
+#include "tissue.h"
+#include "trial.h"
+
+typedef struct organ {
+    const char *mesh_name;  /* as the scene is to name the file */
+    const char *unit;       /* of the file */
+    const char *unit_words; /* why */
+    bool is_repaired;
+    double low[3], high[3], diagonal, edge; /* of the surface: box, diagonal, mean edge */
+    double volume, area;
+    bool is_closed, has_volume;
+
+    const tissue *tissue;
+    const ss_model_class *model;
+    double scale; /* of all forces of a model whose constants are not physical */
+
+    double towards[3]; /* the side that the hand comes from */
+    const char *side, *axes;
+    char fixed[512];   /* an entry of object.fixed; "": none */
+    double radius;     /* of the tool */
+    double depth;      /* at which the force is read */
+    double deepest;    /* as deep as the simulated hand goes */
+    double hand_scale; /* world metres a metre of that hand */
+    double working_force, max_force;
+
+    /* of the scene, once it is loaded */
+    int32_t node_count, tetrahedron_count, fixed_count;
+    double stable_step_s, step_s, step_cost_us;
+    ss_touch touch;
+    trial_result trial;
+} organ;
+
+/* The constants of the model, a line each as they stand under `model:`. */
+void organ_write_model(FILE *out, const organ *o);
+/* The whole scene; `is_draft`: without what is known only once it was loaded and pressed. */
+void organ_write(FILE *out, const organ *o, bool is_draft);
+
+/* A picture of the body, what is held, the tool and the way of the press, by gnuplot. */
+softsim_status organ_draw(const organ *o, const ss_touch_body *body, const char *path,
+                          softsim_error *error);

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The scene as text: every value that was chosen says why. */
+#include "organ.h"
+
+#include <math.h>
+#include <string.h>
+
+void organ_write_model(FILE *out, const organ *o)
+{
+    const ss_hints_body body = {.youngs_modulus = o->tissue->youngs_modulus,
+                                .poisson_ratio = tissue_poisson_ratio,
+                                .density = o->tissue->density,
+                                .size = o->diagonal,
+                                .thickness =
+                                    o->is_closed ? o->volume / o->area : 0.02 * o->diagonal,
+                                .is_closed = o->is_closed};
+    const ss_model_hints *hints = o->model->hints;
+    ss_hints_setting setting = {.body = &body,
+                                .material = hints != NULL ? hints->material[2] : NULL,
+                                .scale = o->scale,
+                                .damping = tissue_damping};
+    if (hints != NULL && hints->write_organ != NULL) {
+        hints->write_organ(out, o->model, &setting);
+    } else {
+        ss_hints_write_solid(out, o->model, &setting);
+    }
+}
+
+static void write_head(FILE *out, const organ *o)
+{
+    const trial_result *t = &o->trial;
+    const double hertz =
+        trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, t->depth);
+    (void)fprintf(out,
+                  "# Written by softsim-mesh scene: %s as %s, %.3g x %.3g x %.3g mm, %d nodes.\n",
+                  o->tissue->name, o->model->name, 1e3 * (o->high[0] - o->low[0]),
+                  1e3 * (o->high[1] - o->low[1]), 1e3 * (o->high[2] - o->low[2]), o->node_count);
+    (void)fprintf(out,
+                  "# To feel it: softsimd THIS.yaml, and when that is ready, in another terminal\n"
+                  "#   softsim-bridge --device sim --duration 8");
+    if (strcmp(o->axes, "x,y,z") != 0) {
+        (void)fprintf(out, " --axes %s", o->axes);
+    }
+    if (o->hand_scale < 1.0) {
+        (void)fprintf(out, " --scale %.3g", o->hand_scale);
+    }
+    (void)fprintf(out,
+                  "\n# which finds the tissue from %s by itself, at --offset-m %.4f,%.4f,%.4f\n",
+                  o->side, o->touch.origin[0], o->touch.origin[1], o->touch.origin[2]);
+    (void)fprintf(
+        out,
+        "# Pressed as this was written: %.3g N at %.3g mm (Hertz: %.3g N), then to %.3g mm: "
+        "%s%s%s.\n",
+        t->force, 1e3 * t->depth, hertz, 1e3 * o->deepest, softsim_verdict_name(t->verdict),
+        t->reason[0] != '\0' ? ": " : "", t->reason);
+    (void)fprintf(out, "# A step of %.3g ms is planned with %.3g ms of a core", 1e3 * o->step_s,
+                  1e-3 * o->step_cost_us);
+    if (o->stable_step_s > 0.0 && isfinite(o->stable_step_s)) {
+        (void)fprintf(out, "; sub-steps of up to %.3g ms are stable", 1e3 * o->stable_step_s);
+    }
+    (void)fprintf(out, ".\n");
+}
+
+static void write_object(FILE *out, const organ *o, bool is_draft)
+{
+    (void)fprintf(out, "object:\n  mesh: \"");
+    for (const char *c = o->mesh_name; *c != '\0'; ++c) {
+        (void)fprintf(out, *c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
+    }
+    (void)fprintf(out, "\"\n  units: %s  # %s\n", o->unit, o->unit_words);
+    if (o->is_repaired) {
+        (void)fprintf(out, "  repair: true\n");
+    }
+    if (o->fixed[0] == '\0') {
+        (void)fprintf(out, "  # fixed: nothing is held\n");
+        return;
+    }
+    (void)fprintf(
+        out,
+        "  fixed:  # what does not move; in metres: plane (what lies behind it), box_m, sphere, "
+        "group, nodes\n    - %s",
+        o->fixed);
+    if (!is_draft) {
+        (void)fprintf(out, "  # %d of %d nodes", o->fixed_count, o->node_count);
+    }
+    (void)fprintf(out, "\n");
+}
+
+void organ_write(FILE *out, const organ *o, bool is_draft)
+{
+    const bool is_physical = o->model->hints == NULL || o->model->hints->write_organ == NULL;
+    if (!is_draft) {
+        write_head(out, o);
+    }
+    (void)fprintf(out, "softsim: 1\n");
+    write_object(out, o, is_draft);
+    (void)fprintf(out, "model:\n  name: %s\n", o->model->name);
+    (void)fprintf(out, "  # E %.4g Pa: %s%s\n", o->tissue->youngs_modulus,
+                  o->tissue->modulus_source,
+                  is_physical ? "" : "; these constants press as that does, at the depth above");
+    organ_write_model(out, o);
+    (void)fprintf(
+        out,
+        "contact:\n  tools:\n    - {probe: 0, shape: {sphere: {radius_mm: %.3g}}}  # the mesh's "
+        "edges are %.3g mm long\n",
+        1e3 * o->radius, 1e3 * o->edge);
+    (void)fprintf(out, "  working_force_n: %.3g\n", o->working_force);
+    (void)fprintf(out, "haptic: {max_force_n: %.3g}\n", o->max_force);
+}

@@ -1,0 +1,682 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * softsim-mesh scene: a mesh and a tissue to a scene that can be felt.
+ *
+ * Everything that a scene needs and a mesh does not say is chosen, and the scene says why: the unit
+ * by size, what is held (the side away from the hand), the tool by the size of body and edges, the
+ * model by the mesh and by what it is for. Then the scene is loaded in this process and pressed
+ * (trial.h): a model whose press is not good gives way to the next, unless it was asked for; and
+ * one whose constants are not physical gets its forces scaled until they are those of Hertz, which
+ * is exact for a network that is linear and takes a few presses for others.
+ * Rejected: constants by formulas alone (a network's press depends on the mesh and the tool), and
+ * a scene that was never run.
+ */
+#include "command.h"
+
+#include <errno.h>
+#include <libgen.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "organ.h"
+#include "output.h"
+#include "rt/files.h"
+#include "rt/memory.h"
+#include "rt/plain.h"
+#include "rt/progress.h"
+#include "rt/vec.h"
+
+enum { SCALINGS = 4, MAX_MODELS = 4 };
+static const double ORGAN_LOW_M = 0.02, ORGAN_HIGH_M = 0.30, ORGAN_USUAL_M = 0.12;
+static const double HELD_SHARE = 0.15;   /* of the body's height, away from the hand */
+static const double TOOL_SHARE = 0.05;   /* its radius, of the body's diagonal */
+static const double LARGEST_TOOL = 0.12; /* the same, where edges are long */
+static const double HAND_DEPTH_M = 8e-3; /* what the simulated hand of softsim-bridge presses */
+static const double DEEPEST_SHARE = 0.3; /* of the body's height */
+static const double PLANNED_SHARE = 0.4; /* of a step's time: what is planned leaves out caches */
+static const double CLOSE = 0.02;        /* a scaled force is this near to Hertz */
+static const double LOWERED =
+    0.75; /* of the largest force, at a time, while a tool would sink in */
+static const double LEAST_LIMIT = 0.8; /* of the working force: it is not lowered below */
+static const double COARSE = 1.0;      /* edges longer than this many radii of the tool */
+
+typedef enum purpose { FOR_FEEL, FOR_ACCURACY, FOR_SPEED } purpose;
+/* What is tried, in this order. */
+static const char *const wanted[][MAX_MODELS] = {
+    [FOR_FEEL] = {"fem-quadratic", "fem", "cnn-energy", NULL},
+    [FOR_ACCURACY] = {"fem-quadratic", "fem", "corotational", "cnn-energy"},
+    [FOR_SPEED] = {"cnn-energy", "fem", NULL, NULL},
+};
+/* Haptic periods of a step, at most: a hand feels less of what comes later. */
+static const int32_t slowest[] = {[FOR_FEEL] = 4, [FOR_ACCURACY] = 10, [FOR_SPEED] = 2};
+
+static const struct {
+    const char *name;
+    double towards[3];
+    const char *axes; /* of the bridge, for a device whose z points there */
+} sides[] = {{"+z", {0, 0, 1}, "x,y,z"}, {"-z", {0, 0, -1}, "x,-y,-z"},
+             {"+x", {1, 0, 0}, "z,x,y"}, {"-x", {-1, 0, 0}, "-z,y,x"},
+             {"+y", {0, 1, 0}, "y,z,x"}, {"-y", {0, -1, 0}, "x,-z,y"}};
+
+typedef struct request {
+    const char *mesh, *tissue_name, *out, *fixed, *model, *preview;
+    int32_t units, purpose, side;
+    double tool_mm;
+    bool lists_tissues;
+} request;
+
+/* ---- arguments ---- */
+
+static ss_args_result parse(int argc, char **argv, void *what, softsim_error *error)
+{
+    request *q = what;
+    *q = (request){.units = -1, .fixed = "away"};
+    const ss_arg rows[] = {
+        SS_TEXT("--tissue", &q->tissue_name, "NAME", "what it is made of; --tissues lists them"),
+        SS_TEXT("--out", &q->out, "ORGAN.yaml", "the scene"),
+        SS_CHOICE("--units", &q->units, UNITS,
+                  "of MESH (without: by size, an organ has 2 to 30 cm)"),
+        SS_TEXT(
+            "--fixed", &q->fixed, "WHAT",
+            "what is held: away (the side away from the hand), none, the name of a group of\n"
+            "MESH, or an entry as a scene has it, in metres: '{box_m: [[x, y, z], [x, y, z]]}',\n"
+            "'{plane: {point_m: [x, y, z], normal: [x, y, z]}}' (what lies behind it),\n"
+            "'{sphere: {center_m: [x, y, z], radius_m: R}}' (away)"),
+        SS_CHOICE("--for", &q->purpose, "feel|accuracy|speed", "chooses the model (feel)"),
+        SS_TEXT("--model", &q->model, "NAME", "the model, whatever it is for"),
+        SS_CHOICE("--from", &q->side, "+z|-z|+x|-x|+y|-y",
+                  "the side that the hand comes from (+z)"),
+        {"--tool-mm", SS_ARG_NUMBER, &q->tool_mm, 0.01, 1000.0, "R",
+         "radius of the ball that presses (by the body's size)"},
+        SS_TEXT("--preview", &q->preview, "OUT.png",
+                "a picture by gnuplot: body, what is held, tool and place"),
+        SS_FLAG("--tissues", &q->lists_tissues, "lists the tissues with their sources, and ends"),
+    };
+    int32_t count = 0;
+    const ss_args_result result = ss_args_parse(
+        argc, argv, "MESH --tissue NAME --out ORGAN.yaml [options]",
+        "Writes a scene of a mesh that can be felt, and presses it before it is called "
+        "good.",
+        rows, (int32_t)(sizeof rows / sizeof rows[0]), &q->mesh, 0, 1, &count, error);
+    if (result != SS_ARGS_RUN || q->lists_tissues) {
+        return result;
+    }
+    char names[256];
+    tissue_names(names, sizeof names);
+    if (count == 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "MESH is missing; give the file");
+    }
+    if (q->out == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--out is missing; give ORGAN.yaml");
+    }
+    if (q->tissue_name == NULL || tissue_find(q->tissue_name) == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--tissue%s%.40s%s: give one of %s",
+                          q->tissue_name != NULL ? ": '" : " is missing",
+                          q->tissue_name != NULL ? q->tissue_name : "",
+                          q->tissue_name != NULL ? "' is not known" : "", names);
+    }
+    if (q->model != NULL && ss_model_find(q->model) == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--model: '%.40s' is not built in; softsimd --help names those that are",
+                          q->model);
+    }
+    const ss_named_file in = {"the mesh", q->mesh};
+    const ss_named_file out[] = {{"--out", q->out}, {"--preview", q->preview}};
+    (void)ss_files_check(&in, 1, out, 2, error);
+    if (q->out != NULL && ss_files_is_in_place(q->out)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--out: '%.100s' is no file that a server could read; give ORGAN.yaml",
+                          q->out);
+    }
+    return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
+}
+
+/* ---- what is chosen before the scene is loaded ---- */
+
+/* The unit in which the longest side is nearest to an organ's. -1: in none of them. */
+static int32_t judge_unit(double longest)
+{
+    int32_t best = -1;
+    double least = INFINITY;
+    for (int32_t u = 0; u < 4; ++u) {
+        const double size = longest * metres_per_unit(u);
+        const double off = fabs(log(size / ORGAN_USUAL_M));
+        if (size >= ORGAN_LOW_M * 0.999 && size <= ORGAN_HIGH_M * 1.001 && off < least) {
+            least = off;
+            best = u;
+        }
+    }
+    return best;
+}
+
+static softsim_status choose_unit(const request *q, ss_mesh *mesh, organ *o, softsim_error *error)
+{
+    static char words[160];
+    static const double still[3] = {0.0, 0.0, 0.0};
+    double low[3], high[3], longest = 0.0;
+    ss_bounds3(mesh->node_count, (const double(*)[3])mesh->position, low, high);
+    for (int k = 0; k < 3; ++k) {
+        longest = fmax(longest, high[k] - low[k]);
+    }
+    const int32_t unit = q->units >= 0 ? q->units : judge_unit(longest);
+    if (unit < 0) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_ARGUMENT,
+            "%s: %.3g x %.3g x %.3g is the size of an organ (2 to 30 cm) in none of mm, "
+            "cm, dm, m; give --units",
+            q->mesh, high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    const double size_mm = 1e3 * longest * metres_per_unit(unit);
+    if (q->units >= 0) {
+        (void)snprintf(words, sizeof words, "as given: the longest side is %.4g mm", size_mm);
+    } else {
+        (void)snprintf(words, sizeof words,
+                       "judged by size, %.3g x %.3g x %.3g: an organ has 2 to 30 cm, so %.4g mm",
+                       high[0] - low[0], high[1] - low[1], high[2] - low[2], size_mm);
+    }
+    o->unit = unit_name(unit);
+    o->unit_words = words;
+    ss_mesh_transform(mesh, metres_per_unit(unit), still, still);
+    return SOFTSIM_OK;
+}
+
+static void measure(const ss_mesh *mesh, organ *o)
+{
+    ss_mesh_report report;
+    if (ss_mesh_check(mesh, &report) == SOFTSIM_OK) {
+        ss_copy3(o->low, report.box_min);
+        ss_copy3(o->high, report.box_max);
+        o->volume = fabs(report.volume);
+        o->area = report.area;
+    }
+    o->diagonal = ss_mesh_diagonal(mesh);
+    o->edge = ss_mesh_mean_side((const double(*)[3])mesh->position,
+                                (const int32_t(*)[3])mesh->triangle, mesh->triangle_count);
+    o->is_closed = mesh->is_closed;
+    o->has_volume = mesh->tetrahedron_count > 0;
+}
+
+static double height_of(const organ *o)
+{
+    double way[3];
+    ss_sub3(way, o->high, o->low);
+    return fabs(ss_dot3(way, o->towards));
+}
+
+/* To two digits. */
+static double rounded(double x)
+{
+    const double unit = pow(10.0, floor(log10(x)) - 1.0);
+    return unit * round(x / unit);
+}
+
+static void choose_tool(const request *q, organ *o)
+{
+    const double usual = TOOL_SHARE * o->diagonal;
+    o->radius =
+        q->tool_mm > 0.0
+            ? 1e-3 * q->tool_mm
+            : rounded(fmin(fmax(usual, 1.1 * COARSE * o->edge), LARGEST_TOOL * o->diagonal));
+    const double most = DEEPEST_SHARE * height_of(o);
+    o->hand_scale = HAND_DEPTH_M > most ? rounded(most / HAND_DEPTH_M) : 1.0;
+    o->deepest = o->hand_scale * HAND_DEPTH_M;
+    o->depth = fmin(0.5 * o->radius, 0.6 * o->deepest);
+    const double force =
+        trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, o->deepest);
+    o->working_force = rounded(fmin(fmax(force, 0.05), 4.0));
+    o->max_force = rounded(fmin(fmax(2.5 * force, 0.5), 8.0));
+}
+
+static void choose_fixed(const request *q, const ss_mesh *mesh, organ *o)
+{
+    for (int32_t g = 0; g < mesh->group_count; ++g) {
+        if (strcmp(mesh->group[g].name, q->fixed) == 0) {
+            (void)snprintf(o->fixed, sizeof o->fixed, "{group: \"%s\"}", q->fixed);
+            return;
+        }
+    }
+    if (strcmp(q->fixed, "none") == 0) {
+        return;
+    }
+    if (strcmp(q->fixed, "away") != 0) {
+        (void)snprintf(o->fixed, sizeof o->fixed, "%s", q->fixed);
+        return;
+    }
+    double point[3];
+    for (int k = 0; k < 3; ++k) {
+        const double a = o->towards[k];
+        point[k] = 0.5 * (o->low[k] + o->high[k]) -
+                   (0.5 - HELD_SHARE) * a * fabs(a) * (o->high[k] - o->low[k]);
+    }
+    (void)snprintf(o->fixed, sizeof o->fixed,
+                   "{plane: {point_m: [%.4f, %.4f, %.4f], normal: [%g, %g, %g]}}", point[0],
+                   point[1], point[2], o->towards[0], o->towards[1], o->towards[2]);
+}
+
+/* Loads the mesh as the scene will have it; mended where it has to be. */
+static softsim_status load(const request *q, organ *o, ss_mesh **out, softsim_error *error)
+{
+    softsim_status status = ss_mesh_load(q->mesh, 1.0, NULL, out, error);
+    softsim_error refused = {0};
+    if (status != SOFTSIM_OK || ss_mesh_accept(*out, q->mesh, &refused) == SOFTSIM_OK) {
+        return status;
+    }
+    ss_mesh *mended = NULL;
+    ss_mesh_repairs done;
+    softsim_error still = {0};
+    if (ss_mesh_repair(*out, &mended, &done, &still) == SOFTSIM_OK &&
+        ss_mesh_accept(mended, q->mesh, &still) == SOFTSIM_OK) {
+        ss_mesh_destroy(out);
+        *out = mended;
+        o->is_repaired = true;
+        return SOFTSIM_OK;
+    }
+    ss_mesh_destroy(&mended);
+    softsim_error_append(error, refused.status, refused.text);
+    return refused.status;
+}
+
+/* How the scene, in its folder, names the mesh. */
+static softsim_status name_mesh(const request *q, char *out, size_t size, softsim_error *error)
+{
+    char mesh[PATH_MAX], folder[PATH_MAX], scene[PATH_MAX];
+    (void)snprintf(scene, sizeof scene, "%s", q->out);
+    if (realpath(q->mesh, mesh) == NULL || realpath(dirname(scene), folder) == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "--out: the folder of '%.200s': %s", q->out,
+                          strerror(errno));
+        return SOFTSIM_ERROR_FILE;
+    }
+    const size_t length = strlen(folder);
+    const bool is_beside = strncmp(mesh, folder, length) == 0 && mesh[length] == '/' &&
+                           strchr(mesh + length + 1, '/') == NULL;
+    (void)snprintf(out, size, "%s", is_beside ? mesh + length + 1 : mesh);
+    return SOFTSIM_OK;
+}
+
+/* ---- the scene, loaded and pressed ---- */
+
+/* Writes the text anew; what a world is made from lies under its temporary name. */
+static softsim_status write_text(ss_output *output, const organ *o, bool is_draft,
+                                 softsim_error *error)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+    if (stream == NULL) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    organ_write(stream, o, is_draft);
+    bool is_written = fclose(stream) == 0 && ftruncate(output->descriptor, 0) == 0 &&
+                      lseek(output->descriptor, 0, SEEK_SET) == 0;
+    is_written = is_written && fwrite(text, 1, size, output->file) == size;
+    is_written = is_written && fflush(output->file) == 0;
+    free(text);
+    if (!is_written) {
+        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot be written: %s", output->path,
+                          strerror(errno));
+        return SOFTSIM_ERROR_FILE;
+    }
+    return SOFTSIM_OK;
+}
+
+/* Faults of the draft, by the name that the user gave. */
+static void pass_on(const ss_output *output, const softsim_error *fault, softsim_error *error)
+{
+    char text[SOFTSIM_ERROR_TEXT_SIZE] = "";
+    size_t used = 0;
+    const size_t length = strlen(output->temporary);
+    for (const char *at = fault->text; *at != '\0' && used + 1 < sizeof text;) {
+        const bool is_name = strncmp(at, output->temporary, length) == 0;
+        used += (size_t)snprintf(text + used, sizeof text - used, is_name ? "%s" : "%.1s",
+                                 is_name ? output->path : at);
+        at += is_name ? length : 1;
+    }
+    softsim_error_append(error, fault->status, text);
+}
+
+/* Of the tools: the largest force is lowered until they do not sink in. Of anything: told. */
+typedef struct doubts {
+    const request *q;
+    int32_t count, of_tools;
+    bool is_told;
+} doubts;
+
+static void take_doubt(void *sink, const ss_note *note)
+{
+    doubts *d = sink;
+    ++d->count;
+    d->of_tools += strcmp(note->where, "contact.tools") == 0;
+    if (d->is_told) {
+        ss_plain_print(stderr, "softsim-mesh: warning: %s: %s: %s\n", d->q->out, note->where,
+                       note->text);
+    }
+}
+
+static softsim_world *open_world(ss_output *output, const organ *o, softsim_error *error)
+{
+    softsim_error fault = {0};
+    softsim_config config = softsim_default_config();
+    config.has_budget = true;
+    if (write_text(output, o, true, error) != SOFTSIM_OK) {
+        return NULL;
+    }
+    softsim_world *world = softsim_create(output->temporary, &config, &fault);
+    if (world == NULL) {
+        pass_on(output, &fault, error);
+        return NULL;
+    }
+    return world;
+}
+
+/* The scene as it is planned now, in a world. */
+static softsim_world *open_draft(ss_output *output, organ *o, softsim_error *error)
+{
+    softsim_world *world = open_world(output, o, error);
+    for (doubts d = {.of_tools = 1}; world != NULL && d.of_tools > 0;) {
+        d = (doubts){0};
+        ss_world_doubt(ss_world_of(world), &(const ss_notes){take_doubt, &d});
+        if (d.of_tools == 0 || o->max_force < LEAST_LIMIT * o->working_force) {
+            break;
+        }
+        o->max_force = rounded(LOWERED * o->max_force);
+        softsim_destroy(&world);
+        world = open_world(output, o, error);
+    }
+    if (world == NULL) {
+        return NULL;
+    }
+    const ss_world *inner = ss_world_of(world);
+    ss_model_info info;
+    inner->model_class->info(inner->model, &info);
+    o->node_count = inner->scene->mesh->node_count;
+    o->tetrahedron_count = inner->scene->mesh->tetrahedron_count;
+    o->stable_step_s = info.stable_step;
+    o->step_s = inner->step_period;
+    o->step_cost_us = inner->step_cost_us;
+    o->fixed_count = 0;
+    for (int32_t i = 0; i < o->node_count; ++i) {
+        o->fixed_count += inner->scene->fixed[i] != 0;
+    }
+    return world;
+}
+
+static ss_touch_body body_of(softsim_world *world)
+{
+    const ss_scene *scene = ss_world_of(world)->scene;
+    return (ss_touch_body){scene->mesh->node_count, scene->mesh->triangle_count,
+                           (const double(*)[3])scene->mesh->position,
+                           (const int32_t(*)[3])scene->mesh->triangle, scene->fixed};
+}
+
+static softsim_status find_place(const request *q, softsim_world *world, organ *o,
+                                 softsim_error *error)
+{
+    const ss_touch_body body = body_of(world);
+    const ss_touch_end end = {o->radius, 0.0, true};
+    if (ss_touch_find(&body, o->towards, &end, &o->touch)) {
+        return SOFTSIM_OK;
+    }
+    softsim_error_add(
+        error, SOFTSIM_ERROR_ARGUMENT,
+        "%s: from %s the hand finds nothing to press that is free and level; come from "
+        "another side with --from, or hold less with --fixed",
+        q->mesh, o->side);
+    return SOFTSIM_ERROR_ARGUMENT;
+}
+
+/* Presses to `deepest`. */
+static void press(softsim_world *world, organ *o, double deepest)
+{
+    trial_press p = {.depth = o->depth, .deepest = deepest};
+    ss_copy3(p.origin, o->touch.origin);
+    ss_copy3(p.towards, o->towards);
+    trial_run(world, &p, &o->trial);
+}
+
+static double ratio_of(const organ *o)
+{
+    const double hertz =
+        trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, o->trial.depth);
+    return hertz > 0.0 ? o->trial.force / hertz : 0.0;
+}
+
+/* Scales the forces of a model without physical constants to Hertz'. */
+static softsim_status scale_forces(const request *q, ss_output *output, organ *o,
+                                   softsim_error *error)
+{
+    softsim_status status = SOFTSIM_OK;
+    o->scale = 1.0;
+    if (o->model->hints == NULL || o->model->hints->write_organ == NULL) {
+        return status;
+    }
+    for (int k = 0; k < SCALINGS && status == SOFTSIM_OK; ++k) {
+        softsim_world *world = open_draft(output, o, error);
+        status = world != NULL ? find_place(q, world, o, error) : SOFTSIM_ERROR_SCENE;
+        if (status == SOFTSIM_OK) {
+            press(world, o, o->depth);
+        }
+        softsim_destroy(&world);
+        const double ratio = ratio_of(o);
+        if (status != SOFTSIM_OK || !(ratio > 0.0) || fabs(ratio - 1.0) < CLOSE) {
+            break;
+        }
+        o->scale /= fmin(fmax(ratio, 1e-3), 1e3);
+    }
+    return status;
+}
+
+/* Tries one model: *out_is_good when its press is good and in time. */
+static softsim_status try_model(const request *q, ss_output *output, organ *o, bool *out_is_good,
+                                softsim_error *error)
+{
+    *out_is_good = false;
+    ss_progress_stage("pressing %s as %s", q->mesh, o->model->name);
+    softsim_status status = scale_forces(q, output, o, error);
+    softsim_world *world = status == SOFTSIM_OK ? open_draft(output, o, error) : NULL;
+    if (world == NULL) {
+        return SOFTSIM_ERROR_SCENE;
+    }
+    status = find_place(q, world, o, error);
+    const ss_world *inner = ss_world_of(world);
+    const bool is_in_time = o->step_cost_us <= PLANNED_SHARE * 1e6 * o->step_s &&
+                            inner->step_ticks <= slowest[q->purpose];
+    if (status == SOFTSIM_OK && (is_in_time || q->model != NULL)) {
+        press(world, o, o->deepest);
+        *out_is_good = is_in_time && o->trial.has_touched &&
+                       o->trial.verdict == SOFTSIM_VERDICT_GOOD &&
+                       o->trial.step_us < o->trial.period_us;
+    }
+    softsim_destroy(&world);
+    return status;
+}
+
+/* ---- what is told ---- */
+
+static void tell(const request *q, const organ *o)
+{
+    const trial_result *t = &o->trial;
+    ss_plain_print(stdout, "%s: %s, %d nodes%s, in %s (%s)\n", q->out, o->model->name,
+                   o->node_count, o->has_volume ? "" : " of a surface", o->unit, o->unit_words);
+    if (o->is_repaired) {
+        ss_plain_print(stdout,
+                       "  mended as it is read (object.repair); softsim-mesh check says what\n");
+    }
+    (void)printf("  held: %d nodes; a ball of %.3g mm touches at %.4f,%.4f,%.4f, coming from %s\n",
+                 o->fixed_count, 1e3 * o->radius, o->touch.origin[0], o->touch.origin[1],
+                 o->touch.origin[2], o->side);
+    (void)printf(
+        "  pressed: %.3g N at %.3g mm, %.2f of Hertz' force for %.4g Pa; to %.3g mm: %s%s%s\n",
+        t->force, 1e3 * t->depth, ratio_of(o), o->tissue->youngs_modulus, 1e3 * o->deepest,
+        softsim_verdict_name(t->verdict), t->reason[0] != '\0' ? ": " : "", t->reason);
+    (void)printf("  a step of %.3g ms took %.3g ms of a core here (planned: %.3g ms)\n",
+                 1e3 * o->step_s, 1e-3 * t->step_us, 1e-3 * o->step_cost_us);
+    (void)printf(
+        "next: softsimd %s, and in another terminal softsim-bridge --device sim --duration 8",
+        q->out);
+    if (strcmp(o->axes, "x,y,z") != 0) {
+        (void)printf(" --axes %s", o->axes);
+    }
+    if (o->hand_scale < 1.0) {
+        (void)printf(" --scale %.3g", o->hand_scale);
+    }
+    (void)printf("\n");
+}
+
+static void warn_of(const request *q, const organ *o)
+{
+    const trial_result *t = &o->trial;
+    const double ratio = ratio_of(o);
+    if (!t->has_touched) {
+        ss_plain_print(stderr, "softsim-mesh: warning: %s: the tool did not touch\n", q->out);
+    } else if (t->verdict != SOFTSIM_VERDICT_GOOD) {
+        ss_plain_print(stderr,
+                       "softsim-mesh: warning: %s: the press is %s: %s; try another --model, "
+                       "or a mesh of another size\n",
+                       q->out, softsim_verdict_name(t->verdict), t->reason);
+    }
+    if (o->step_cost_us > 0.5e6 * o->step_s || t->step_us > t->period_us) {
+        ss_plain_print(
+            stderr,
+            "softsim-mesh: warning: %s: slower than real time, or hardly faster: a step of "
+            "%.3g ms is planned with %.3g ms of a core and took %.3g ms; take a coarser "
+            "mesh, or --for speed\n",
+            q->out, 1e3 * o->step_s, 1e-3 * o->step_cost_us, 1e-3 * t->step_us);
+    }
+    if (o->edge > COARSE * o->radius) {
+        ss_plain_print(
+            stderr,
+            "softsim-mesh: warning: %s: the mesh is coarse for the tool: edges of %.3g mm, a "
+            "ball of %.3g mm: forces come out too high (here %.2f of Hertz'); take a finer "
+            "mesh, or a larger --tool-mm\n",
+            q->out, 1e3 * o->edge, 1e3 * o->radius, ratio);
+    } else if (t->has_touched && (ratio < 0.4 || ratio > 2.5)) {
+        ss_plain_print(
+            stderr,
+            "softsim-mesh: warning: %s: the force is %.2f of Hertz', which is of a body that "
+            "is large and flat beside the tool\n",
+            q->out, ratio);
+    }
+}
+
+/* ---- the whole ---- */
+
+static softsim_status refuse_surface(const request *q, const organ *o, softsim_error *error)
+{
+    /* Tetrahedra of edge e have e^3 / 8.5 each; 1500 of second order are felt at 1 kHz. */
+    const double edge_mm = rounded(1e3 * cbrt(8.5 * o->volume / 1500.0));
+    softsim_error_add(
+        error, SOFTSIM_ERROR_ARGUMENT,
+        "--model: %s needs tetrahedra, and %s is a surface%s: softsim-mesh "
+        "tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g, then softsim-mesh scene "
+        "VOLUME.msh ...; or --model cnn-energy",
+        q->model, q->mesh, o->is_closed ? "" : " with holes, which are to be closed first", q->mesh,
+        o->unit, edge_mm);
+    return SOFTSIM_ERROR_ARGUMENT;
+}
+
+/* Goes through the models that may do until one is good; the last is kept otherwise. */
+static softsim_status choose_model(const request *q, ss_output *output, organ *o,
+                                   softsim_error *error)
+{
+    const char *const *name = q->model != NULL ? &q->model : wanted[q->purpose];
+    const int count = q->model != NULL ? 1 : MAX_MODELS;
+    softsim_status status = SOFTSIM_ERROR_UNSUPPORTED;
+    bool is_good = false;
+    for (int i = 0; i < count && !is_good; ++i) {
+        const ss_model_class *model = name[i] != NULL ? ss_model_find(name[i]) : NULL;
+        if (model == NULL || (model->needs_volume && !o->has_volume)) {
+            continue;
+        }
+        *error = (softsim_error){0};
+        o->model = model;
+        status = try_model(q, output, o, &is_good, error);
+        if (status == SOFTSIM_ERROR_ARGUMENT) {
+            break; /* no model would do */
+        }
+    }
+    if (status == SOFTSIM_ERROR_UNSUPPORTED) {
+        softsim_error_add(error, status, "%s: no model that is built in takes it; --model NAME",
+                          q->mesh);
+    }
+    return status;
+}
+
+/* What was written, once more as a server will read it: what is doubtful is told, and it is drawn.
+ */
+static softsim_status finish(const request *q, ss_output *output, const organ *o,
+                             softsim_error *error)
+{
+    const softsim_config config = softsim_default_config();
+    softsim_world *world = softsim_create(output->temporary, &config, error);
+    if (world == NULL) {
+        return SOFTSIM_ERROR_SCENE;
+    }
+    doubts d = {.q = q, .is_told = true};
+    const ss_touch_body body = body_of(world);
+    ss_progress_end();
+    ss_world_doubt(ss_world_of(world), &(const ss_notes){take_doubt, &d});
+    const softsim_status status =
+        q->preview != NULL ? organ_draw(o, &body, q->preview, error) : SOFTSIM_OK;
+    softsim_destroy(&world);
+    return status == SOFTSIM_OK ? ss_output_commit(output, error) : status;
+}
+
+static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, organ *o,
+                           softsim_error *error)
+{
+    char name[PATH_MAX];
+    softsim_status status = choose_unit(q, mesh, o, error);
+    if (status != SOFTSIM_OK || (status = name_mesh(q, name, sizeof name, error)) != SOFTSIM_OK) {
+        return status;
+    }
+    o->mesh_name = name;
+    measure(mesh, o);
+    if (q->model != NULL && ss_model_find(q->model)->needs_volume && !o->has_volume) {
+        return refuse_surface(q, o, error);
+    }
+    choose_tool(q, o);
+    choose_fixed(q, mesh, o);
+    status = ss_output_open(output, q->out, error);
+    status = status == SOFTSIM_OK ? choose_model(q, output, o, error) : status;
+    status = status == SOFTSIM_OK ? write_text(output, o, false, error) : status;
+    return status == SOFTSIM_OK ? finish(q, output, o, error) : status;
+}
+
+static int write_scene(const void *what, softsim_error *error)
+{
+    const request *q = what;
+    if (q->lists_tissues) {
+        tissue_print(stdout);
+        return 0;
+    }
+    ss_mesh *mesh = NULL;
+    ss_output output = {0};
+    organ o = {.tissue = tissue_find(q->tissue_name),
+               .side = sides[q->side].name,
+               .axes = sides[q->side].axes,
+               .scale = 1.0};
+    ss_copy3(o.towards, sides[q->side].towards);
+    ss_progress_begin("softsim-mesh", "reading %s", q->mesh);
+    softsim_status status = load(q, &o, &mesh, error);
+    status = status == SOFTSIM_OK ? make(q, mesh, &output, &o, error) : status;
+    ss_progress_end();
+    ss_output_abandon(&output);
+    ss_mesh_destroy(&mesh);
+    if (status != SOFTSIM_OK) {
+        return 2;
+    }
+    warn_of(q, &o);
+    tell(q, &o);
+    return 0;
+}
+
+int command_scene(int argc, char **argv)
+{
+    request q;
+    return run_command(argc, argv, &q, parse, write_scene);
+}

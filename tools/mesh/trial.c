@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#include "trial.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "rt/vec.h"
+
+/* s: of the parts of a press. */
+static const double COMES = 0.2, SETTLES = 0.3, DEEPENS = 0.2, STAYS = 0.1, LEAVES = 0.2;
+static const double READ = 0.05; /* s at the end of the hold in which force and depth are read */
+static const double CLEAR_SHARE = 1.0; /* of the depth: where it begins and ends, above */
+
+/* How far above the touch the tool is aimed to be at time t; negative: in the tissue. */
+static double height_at(const trial_press *press, double t)
+{
+    const double above = CLEAR_SHARE * press->depth;
+    double u = t / COMES;
+    if (u < 1.0) {
+        return above - u * (above + press->depth);
+    }
+    t -= COMES + SETTLES;
+    u = fmin(fmax(t / DEEPENS, 0.0), 1.0);
+    const double down = press->depth + u * (press->deepest - press->depth);
+    u = fmin(fmax((t - DEEPENS - STAYS) / LEAVES, 0.0), 1.0);
+    return -down + u * (down + above);
+}
+
+double trial_hertz(double youngs_modulus, double poisson_ratio, double radius, double depth)
+{
+    return 4.0 / 3.0 * youngs_modulus / (1.0 - poisson_ratio * poisson_ratio) * sqrt(radius) *
+           pow(fmax(depth, 0.0), 1.5);
+}
+
+void trial_run(softsim_world *world, const trial_press *press, trial_result *out)
+{
+    softsim_state state;
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    softsim_read(world, &state);
+    const double held = COMES + SETTLES;
+    const double end =
+        press->deepest > press->depth ? held + DEEPENS + STAYS + LEAVES + SETTLES : held;
+    const int32_t ticks = (int32_t)ceil(end / state.period_s), probe = 0;
+    double touched = 0.0, depth = 0.0, pressed = 0.0;
+    int32_t read = 0;
+    *out = (trial_result){0};
+    for (int32_t k = 0; k < ticks; ++k) {
+        const double t = k * state.period_s;
+        softsim_pose pose = {.utime_us = (int64_t)(1e6 * t),
+                             .sender = 1,
+                             .seq = k + 1,
+                             .force_seq = -1,
+                             .orientation = {1.0, 0.0, 0.0, 0.0},
+                             .velocity = {NAN, NAN, NAN},
+                             .applied_force = {NAN, NAN, NAN}};
+        ss_madd3(pose.position, press->origin, height_at(press, t), press->towards);
+        softsim_tick(world, &pose, &probe, 1, force);
+        const double proxy = ss_dot3(force[0].proxy, press->towards);
+        if (!out->has_touched && (force[0].flags & SOFTSIM_FORCE_CONTACT) != 0) {
+            out->has_touched = true;
+            touched = proxy;
+        }
+        if (t >= held - READ && t < held) {
+            depth += touched - proxy;
+            pressed += ss_dot3(force[0].model_force, press->towards);
+            ++read;
+        }
+    }
+    softsim_read(world, &state);
+    out->depth = out->has_touched ? depth / read : 0.0;
+    out->force = pressed / read;
+    out->verdict = state.worst_verdict;
+    (void)snprintf(out->reason, sizeof out->reason, "%s", state.worst_reason);
+    out->step_us = state.step_us[0];
+    out->step_us_p99 = state.step_us[1];
+    out->period_us = 1e6 * state.simulation_period_s;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+#pragma once
+/*
+ * A press on a scene in a world of this process, poses in and forces out as a hand feels them: the
+ * tool comes down at the place of a touch, is held at a depth, goes on as deep as the bridge's
+ * simulated hand does, and leaves. What it tells is what a scene is judged by before it is called
+ * good. The depth is the way of the proxy since it first touched, the force the model's own.
+ */
+#include "contact/touch.h"
+#include "world/world.h"
+
+typedef struct trial_press {
+    double origin[3];  /* m, of the tool when it just touches */
+    double towards[3]; /* unit, out of the tissue */
+    double depth;      /* m, at which the force is read */
+    double deepest;    /* m, >= depth; the same: the press ends there */
+} trial_press;
+
+typedef struct trial_result {
+    bool has_touched;
+    double depth, force; /* m, N: held */
+    softsim_verdict verdict;
+    char reason[160];
+    double step_us, step_us_p99, period_us; /* thread CPU of a step here, and what it may take */
+} trial_result;
+
+void trial_run(softsim_world *world, const trial_press *press, trial_result *out);
+
+/* Force (N) of a rigid ball on an elastic half-space (Hertz 1882): 4/3 E/(1 - nu^2) sqrt(R) d^1.5.
+ */
+double trial_hertz(double youngs_modulus, double poisson_ratio, double radius, double depth);
