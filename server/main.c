@@ -40,6 +40,29 @@ static void warn(void *sink, const ss_note *note)
     }
 }
 
+static void tell_note(void *sink, const ss_note *note)
+{
+    ss_plain_print(stderr, "softsimd: %s: %s: %s\n", (const char *)sink, note->where, note->text);
+}
+
+/* What to do next, in one line. */
+static void tell_next(const ss_world *world, int32_t warning_count)
+{
+    const char *path = world->scene->path;
+    const char *heed = warning_count > 0 ? "heed the warnings (--explain says more), or " : "";
+    if (world->used_probes == 0) {
+        ss_plain_print(stderr,
+                       "softsimd: next: %sadd a tool under contact.tools (--print-config "
+                       "has an example); without: softsim-run %s --duration 1\n",
+                       heed, path);
+    } else {
+        ss_plain_print(stderr,
+                       "softsimd: next: %ssoftsimd %s, and when it is ready, in another "
+                       "terminal, softsim-bridge --device sim\n",
+                       heed, path);
+    }
+}
+
 /* An exit status, as that of softsim-mesh check. */
 static int print_check(const ss_world *world, int32_t warning_count)
 {
@@ -50,9 +73,11 @@ static int print_check(const ss_world *world, int32_t warning_count)
     }
     const ss_scene *scene = world->scene;
     const int tools = __builtin_popcount(world->used_probes);
+    ss_world_advise(world, &(const ss_notes){tell_note, (void *)(uintptr_t)scene->path});
     ss_plain_print(stderr, "softsimd: %s: %s (%d nodes, %d triangles, %s, %d tool%s)\n",
                    scene->path, verdict, scene->mesh->node_count, scene->mesh->triangle_count,
                    scene->model_name, tools, tools == 1 ? "" : "s");
+    tell_next(world, warning_count);
     return warning_count > 0 ? 1 : 0;
 }
 
@@ -89,6 +114,10 @@ int main(int argc, char **argv)
     ss_progress_end();
     if (loaded != SOFTSIM_OK) {
         ss_args_print_error(argv[0], &error);
+        if (options.check) {
+            fprintf(stderr, "softsimd: next: mend what is named above, and --check again; "
+                            "server/scene/README.md has the keys\n");
+        }
         return 2;
     }
     warnings told = {.out = options.log_level >= SS_LOG_WARNING ? stderr : NULL,

@@ -35,6 +35,10 @@ static const double CLEAR_RADII = 4.0;  /* from what is fixed */
 static const double FINE_RADII = 0.125; /* between samples */
 static const double OFF_RADII = 0.5;    /* above the place where the tool is held up elsewhere */
 
+const ss_touch_side ss_touch_sides[SS_TOUCH_SIDES] = {
+    {"+z", {0, 0, 1}, "x,y,z"},   {"-z", {0, 0, -1}, "x,-y,-z"}, {"+x", {1, 0, 0}, "z,x,y"},
+    {"-x", {-1, 0, 0}, "-z,y,x"}, {"+y", {0, 1, 0}, "y,z,x"},    {"-y", {0, -1, 0}, "x,-z,y"}};
+
 ss_touch_end ss_touch_end_of(const ss_shape *shape)
 {
     const double *e = shape->half_extent;

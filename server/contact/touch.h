@@ -11,6 +11,15 @@
 
 #include "contact/contact.h"
 
+/* The sides that a hand may come from, and the --axes of a bridge whose device has its z there. */
+enum { SS_TOUCH_SIDES = 6 };
+typedef struct ss_touch_side {
+    const char *name; /* "+z" */
+    double towards[3];
+    const char *axes;
+} ss_touch_side;
+extern const ss_touch_side ss_touch_sides[SS_TOUCH_SIDES]; /* the usual one first */
+
 /* A surface, of a mesh or as the mesh messages tell it. */
 typedef struct ss_touch_body {
     int32_t node_count, triangle_count;

@@ -302,6 +302,33 @@ static void print_model(printer *p, const ss_scene_node *map)
     }
 }
 
+/* A row's example, commented out, line by line; behind its name where there is nothing else. */
+static void print_example(printer *p, int indent, const ss_scene_row *row, const char *name)
+{
+    for (const char *at = row->example != NULL ? row->example : ""; *at != '\0';) {
+        const int length = (int)strcspn(at, "\n");
+        begin(p, indent);
+        fprintf(p->stream, "# %s%s%.*s", name, name[0] != '\0' ? ": " : "", length, at);
+        end(p, "");
+        at += length + (at[length] == '\n');
+    }
+}
+
+/* A key that the scene leaves out and that has no default to print. */
+static void print_absent(printer *p, int indent, const ss_scene_row *row)
+{
+    char comment[1024];
+    comment_of(row, comment, sizeof comment);
+    begin(p, indent);
+    fprintf(p->stream, "# %s:", row->name);
+    end(p, comment);
+    if (row->kind == SS_SCENE_ENTRIES) {
+        print_example(p, indent + 1, row, "");
+    } else {
+        print_example(p, indent, row, row->name);
+    }
+}
+
 static void print_table(printer *p, int indent, ss_scene_table table, const ss_scene_node *map)
 {
     for (int32_t i = 0; i < table.count; i++) {
@@ -311,6 +338,13 @@ static void print_table(printer *p, int indent, ss_scene_table table, const ss_s
             print_model(p, node);
         } else if (is_printed(row, node, map)) {
             print_row(p, indent, row, node);
+            if (row->kind == SS_SCENE_ENTRIES) {
+                print_example(p, indent + 1, row, "");
+            } else if (row->kind == SS_SCENE_KEYS) {
+                print_example(p, indent, row, row->name);
+            }
+        } else if (row->needs == NULL || ss_scene_node_find(map, row->needs) != NULL) {
+            print_absent(p, indent, row);
         }
     }
 }

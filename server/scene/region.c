@@ -523,6 +523,30 @@ int32_t ss_scene_read_links(ss_scene_space *space, const ss_scene_row *row, ss_s
     return count;
 }
 
+/* Notes that an entry takes `selected` nodes, `taken` of which no earlier one did. */
+static void note_overlap(ss_scene_space *space, const ss_scene_node *item, int32_t selected,
+                         int32_t taken)
+{
+    ss_scene *scene = space->scene;
+    if (scene->doubt_count == SS_SCENE_MAX_DOUBTS) {
+        return;
+    }
+    ss_scene_doubt *doubt = &scene->doubt[scene->doubt_count++];
+    doubt->is_unused = taken == 0;
+    ss_scene_node_path(item, doubt->where, sizeof doubt->where);
+    if (taken == 0) {
+        snprintf(doubt->text, sizeof doubt->text,
+                 "no node has this value: earlier entries took all %d that it names, and the first "
+                 "that matches counts; put it before them, or leave it out",
+                 (int)selected);
+    } else {
+        snprintf(doubt->text, sizeof doubt->text,
+                 "%d of its %d nodes have the value of an earlier entry: the first that matches "
+                 "counts",
+                 (int)(selected - taken), (int)selected);
+    }
+}
+
 /* First match wins. */
 static bool read_field_regions(ss_scene_space *space, ss_scene_node *list, double *out_value)
 {
@@ -542,11 +566,17 @@ static bool read_field_regions(ss_scene_space *space, ss_scene_node *list, doubl
             is_good = false;
             continue;
         }
+        int32_t selected = 0, taken = 0;
         for (int32_t i = 0; i < node_count; i++) {
+            selected += space->mask[i] != 0;
             if (space->mask[i] && !has[i]) {
                 out_value[i] = value;
                 has[i] = 1;
+                ++taken;
             }
+        }
+        if (taken == 0 || (taken < selected && where != NULL)) {
+            note_overlap(space, item, selected, taken);
         }
     }
     is_good = is_good && has_all(space, list, "node", node_count, has);

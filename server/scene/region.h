@@ -9,12 +9,14 @@
  * elements. Borders belong to a region, with a tolerance of 1e-9 of the body's diagonal, so that a
  * border at 20 mm takes the node at 0.02 m. Used inside scene/ only. Thread: set-up only.
  */
+#include "scene/scene.h"
 #include "scene/schema.h"
 
 typedef struct ss_scene_space {
     ss_scene_report *report;
     const char *folder; /* of the scene, "" or ending in / */
     const ss_mesh *mesh;
+    ss_scene *scene;  /* whose doubts are noted */
     double tolerance; /* m */
     uint8_t *mask;    /* scratch, node_count */
 } ss_scene_space;

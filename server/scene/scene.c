@@ -519,14 +519,14 @@ softsim_status ss_scene_load_text(const char *path, const char *text, size_t siz
         ss_scene_check_tree(&check, tree->root);
         scene->source->model_row = check.model_row;
         scene->source->model_row_count = check.model_row_count;
-        ss_scene_loader l = {.report = report,
-                             .scene = scene,
-                             .model =
-                                 check.model_row_count > 0 ? &models[scene->model_index] : NULL,
-                             .root = tree->root,
-                             .space = {.report = report, .folder = scene->source->folder},
-                             .mesh_error = mesh_error,
-                             .import_program = import_program};
+        ss_scene_loader l = {
+            .report = report,
+            .scene = scene,
+            .model = check.model_row_count > 0 ? &models[scene->model_index] : NULL,
+            .root = tree->root,
+            .space = {.report = report, .folder = scene->source->folder, .scene = scene},
+            .mesh_error = mesh_error,
+            .import_program = import_program};
         resolve(&l);
     }
     const bool is_good = ss_scene_report_total(report) + mesh_error->fault_count == 0;

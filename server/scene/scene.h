@@ -28,6 +28,15 @@ typedef struct ss_scene_model {
     bool needs_volume, takes_second_order;
 } ss_scene_model;
 
+/* What a list of values by region says that may not be meant: of an entry that gives its value to
+ * nothing (is_unused), or to less than it takes, since earlier ones took that. */
+enum { SS_SCENE_MAX_DOUBTS = 32 }; /* more are left out */
+typedef struct ss_scene_doubt {
+    bool is_unused;
+    char where[96]; /* "model.rho.1" */
+    char text[160];
+} ss_scene_doubt;
+
 /* One entry of `prescribed` gives several of these when its displacement_file leaves different
  * axes free at different nodes: they share `entry` and `name`. */
 typedef struct ss_scene_prescribed {
@@ -82,6 +91,8 @@ typedef struct ss_scene {
     double mesh_rate_hz; /* 0: no mesh publisher */
     double max_bytes_per_s;
     ss_scene_field field;
+    ss_scene_doubt doubt[SS_SCENE_MAX_DOUBTS];
+    int32_t doubt_count;
     ss_mesh_repairs repairs;        /* by `object.repair: true` */
     struct ss_scene_source *source; /* what was written, for ss_scene_print */
 } ss_scene;

@@ -121,19 +121,27 @@ static const ss_scene_row grid_row[] = {
 };
 static const ss_scene_row object_row[] = {
     ROW(FILE, "mesh", "surface (OBJ STL PLY GLB MSH VTK) or volume (MSH, TetGen, VTK)",
-        .one_of = 'M'),
-    KEYS("grid", TABLE(grid_row), .one_of = 'M'),
+        .one_of = 'M', .example = "organ.msh"),
+    KEYS("grid", TABLE(grid_row), .one_of = 'M',
+         .example = "{cylinder: {rows: 15, columns: 24, radius_m: 0.02, length_m: 0.1}}"),
     ROW(CHOICE, "units", "of the file of the mesh, or of a grid's nodes", .choices = UNITS,
         .is_required = true, .unless = "grid"),
     ROW(FILE, "outer",
         "surface around the mesh's volume, in the same units and place: what lies between is the "
         "layer of hybrid",
-        .needs = "mesh"),
-    KEYS("transform", TABLE(transform_row)),
+        .needs = "mesh", .example = "wall.msh"),
+    KEYS("transform", TABLE(transform_row),
+         .example = "{scale: 1, rotate_deg: [0, 0, 90], translate_m: [0, 0, 0.05]}"),
     ROW(BOOL, "repair",
         "weld, drop and turn what softsim-mesh convert --repair does; numbers are then the mended "
         "mesh's"),
-    ROW(ENTRIES, "fixed", "nodes that do not move", .child = TABLE(fixed_row)),
+    ROW(ENTRIES, "fixed", "nodes that do not move, those of all entries together",
+        .child = TABLE(fixed_row),
+        .example = "- {box_m: [[-1, -1, -1], [1, 1, -0.02]]}\n"
+                   "- {plane: {point_m: [0, 0, -0.02], normal: [0, 0, 1]}}  # what lies behind it\n"
+                   "- {sphere: {center_m: [0, -0.017, 0], radius_m: 0.015}}\n"
+                   "- {group: bottom, axes: z}  # of the mesh file; free along x and y\n"
+                   "- {nodes: [0, 1, 2]}"),
 };
 
 /* ---- contact ---- */
@@ -167,7 +175,12 @@ static const ss_scene_row tool_row[] = {
     KEYS("shape", TABLE(shape_row), .is_required = true),
 };
 static const ss_scene_row contact_row[] = {
-    ROW(ENTRIES, "tools", "one per probe, at the probe's origin, axis z", .child = TABLE(tool_row)),
+    ROW(ENTRIES, "tools", "one per probe, at the probe's origin, axis z", .child = TABLE(tool_row),
+        .example =
+            "- {probe: 0, shape: {sphere: {radius_mm: 5}}}\n"
+            "- {probe: 1, shape: {capsule: {radius_mm: 3, length_mm: 20}}}  # or cylinder, cone\n"
+            "- {probe: 2, shape: {box: {size_mm: [10, 10, 4]}}}\n"
+            "- {probe: 3, shape: {convex: {file: tip.stl, units: mm}}}"),
     ROW(NUMBER, "working_force_n", "contact stiffness is chosen from it", .unit = "N",
         SS_ABOVE(0, 1e3), .fallback = 2, .one_of = 'c', FIELD(working_force_n)),
     ROW(NUMBER, "stiffness_n_per_m3", "contact stiffness, instead of choosing it", .unit = "N/m^3",
@@ -259,7 +272,13 @@ static const ss_scene_row root_row[] = {
         FIELD(gravity)),
     KEYS("haptic", TABLE(haptic_row)),
     KEYS("publish", TABLE(publish_row)),
-    ROW(ENTRIES, "loads", "forces without a tool", .child = TABLE(load_row)),
-    ROW(ENTRIES, "prescribed", "displacements without a tool", .child = TABLE(prescribed_row)),
+    ROW(ENTRIES, "loads", "forces without a tool; where: as object.fixed", .child = TABLE(load_row),
+        .example = "- {nodes: [80], force_n: [0.1, -0.8, 0.05], from_s: 0, to_s: 10, ramp_s: 0.1}\n"
+                   "- {group: endo, pressure_pa: 1000, ramp_s: 0.5}  # follows the surface"),
+    ROW(ENTRIES, "prescribed", "displacements without a tool; where: as object.fixed",
+        .child = TABLE(prescribed_row),
+        .example =
+            "- {group: patch, displacement_m: [0, 0, -0.005], from_s: 0, ramp_s: 0.5, axes: xyz}\n"
+            "- {box_m: [[0, 0, 0], [1, 1, 1]], displacement_file: u.csv}"),
 };
 const ss_scene_table ss_scene_root = TABLE(root_row);

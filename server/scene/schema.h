@@ -49,6 +49,7 @@ struct ss_scene_row {
     double fallback;      /* of numbers, choices (index) and each component of a vector */
     const char *choices;  /* "a|b|c" */
     const char *help;     /* NULL: the key is described by its table */
+    const char *example;  /* as --print-config shows it beside the key, line by line; NULL: none */
     ss_scene_table child; /* KEYS, ENTRIES */
     int32_t field;        /* 1 + byte offset in ss_scene of the value, 0 none: a double (VECTOR: 3),
                              of INTEGER and CHOICE an int32_t */

@@ -149,7 +149,9 @@ void ss_scene_describe(const ss_scene_row *row, char *out, size_t size)
         [SS_SCENE_BOX] = {"[[x, y, z], [x, y, z]], lower corner first, each a number", "", RANGE},
         [SS_SCENE_AXES] = {"axes of the world, such as xyz, xy or z", "", NOTHING},
         [SS_SCENE_NODES] = {"[0, 1, 2], or the name of a file with one number a line", "", NOTHING},
-        [SS_SCENE_FIELD] = {"a number", ", {file: NAME.csv}, or a list of {where: ..., value: ...}",
+        [SS_SCENE_FIELD] = {"a number",
+                            ", {file: NAME.csv}, or a list of {where: ..., value: ...}, of "
+                            "which the first that matches counts",
                             RANGE},
         [SS_SCENE_DIRECTION] = {"[x, y, z] of any length but 0, or {file: NAME.csv}", "", NOTHING},
         [SS_SCENE_KEYS] = {"a mapping with keys of: ", "", NAMES},

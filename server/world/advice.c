@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * What was mended, and doubts about a scene that is valid. A wrong unit gives a body or a tool a
- * thousand times too large or too small, and everything about it stays well-formed: only the sizes,
- * side by side, tell. The bounds are wide, so that no sensible scene is doubted; none of them
- * refuses anything, since a whale and an embryo are bodies too.
+ * What was mended, what a new scene is, and doubts about a scene that is valid. A wrong unit gives
+ * a body or a tool a thousand times too large or too small, and everything about it stays
+ * well-formed: only the sizes, side by side, tell. The bounds are wide, so that no sensible scene
+ * is doubted; none of them refuses anything, since a whale and an embryo are bodies too.
  */
 #include <stdio.h>
 #include <string.h>
 
+#include "contact/touch.h"
 #include "rt/note.h"
+#include "rt/vec.h"
 #include "world/world.h"
 
 enum { ALL_AXES = 7 };
@@ -104,6 +106,16 @@ static void pass_warning(void *sink, const ss_note *note)
     }
 }
 
+/* Values by region that nothing has. */
+static void doubt_regions(const ss_notes *out, const ss_scene *scene)
+{
+    for (int32_t i = 0; i < scene->doubt_count; ++i) {
+        if (scene->doubt[i].is_unused) {
+            ss_note_warning(out, scene->doubt[i].where, "%s", scene->doubt[i].text);
+        }
+    }
+}
+
 void ss_world_doubt(const ss_world *world, const ss_notes *out)
 {
     const ss_scene *scene = world->scene;
@@ -115,6 +127,7 @@ void ss_world_doubt(const ss_world *world, const ss_notes *out)
                         diagonal);
     }
     doubt_supports(out, scene);
+    doubt_regions(out, scene);
     doubt_coupling(out, scene);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (scene->tool[p].is_used) {
@@ -123,4 +136,66 @@ void ss_world_doubt(const ss_world *world, const ss_notes *out)
     }
     const ss_notes warnings = {pass_warning, (void *)(uintptr_t)out};
     world->model_class->explain(world->model, &warnings);
+}
+
+/* ---- what a new scene's author asks first ---- */
+
+/* How a simulated hand gets to the tissue, from the first side that it can come from. */
+static void advise_hand(const ss_world *world, const ss_notes *out)
+{
+    const ss_scene *scene = world->scene;
+    int32_t p = 0;
+    while (p < SOFTSIM_MAX_PROBES && !scene->tool[p].is_used) {
+        ++p;
+    }
+    if (p == SOFTSIM_MAX_PROBES) {
+        return;
+    }
+    const ss_touch_body body = {scene->mesh->node_count, scene->mesh->triangle_count,
+                                (const double(*)[3])scene->mesh->position,
+                                (const int32_t(*)[3])scene->mesh->triangle, scene->fixed};
+    const ss_touch_end end = ss_touch_end_of(&scene->tool[p].shape);
+    for (int s = 0; s < SS_TOUCH_SIDES; ++s) {
+        const ss_touch_side *side = &ss_touch_sides[s];
+        ss_touch touch;
+        if (ss_touch_find(&body, side->towards, &end, &touch)) {
+            char probe[24] = "";
+            if (p > 0) {
+                (void)snprintf(probe, sizeof probe, " --probe %d", p);
+            }
+            ss_note_used(out, "tissue",
+                         "from %s: softsim-bridge --device sim%s%s%s --offset-m %.4f,%.4f,%.4f",
+                         side->name, probe, s > 0 ? " --axes " : "", s > 0 ? side->axes : "",
+                         touch.origin[0], touch.origin[1], touch.origin[2]);
+            return;
+        }
+    }
+    ss_note_used(out, "tissue", "no side has free and level tissue to press; is too much held?");
+}
+
+void ss_world_advise(const ss_world *world, const ss_notes *out)
+{
+    const ss_scene *scene = world->scene;
+    const ss_mesh *mesh = scene->mesh;
+    double low[3], high[3];
+    int32_t fixed = 0;
+    ss_bounds3(mesh->node_count, (const double(*)[3])mesh->position, low, high);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        fixed += scene->fixed[i] != 0;
+    }
+    ss_note_used(out, "box", "%.4g to %.4g, %.4g to %.4g, %.4g to %.4g m: %.3g x %.3g x %.3g mm",
+                 low[0], high[0], low[1], high[1], low[2], high[2], 1e3 * (high[0] - low[0]),
+                 1e3 * (high[1] - low[1]), 1e3 * (high[2] - low[2]));
+    ss_note_used(out, "fixed", "%d of %d nodes", fixed, mesh->node_count);
+    for (int32_t i = 0; i < scene->doubt_count; ++i) {
+        if (!scene->doubt[i].is_unused) {
+            ss_note_used(out, scene->doubt[i].where, "%s", scene->doubt[i].text);
+        }
+    }
+    const double share = world->step_cost_us / (1e6 * world->step_period);
+    ss_note_used(out, "cost", "about %.3g ms of a core for a step of %.3g ms, %.0f %%%s",
+                 1e-3 * world->step_cost_us, 1e3 * world->step_period, 100.0 * share,
+                 share > 0.5 ? ": slower than real time is likely; a coarser mesh, or another model"
+                             : "");
+    advise_hand(world, out);
 }

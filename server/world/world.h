@@ -215,6 +215,10 @@ softsim_status ss_world_plan_numbers(ss_world *world);
 /* What `object.repair` mended, and what a valid scene may still have wrong: sizes that hardly
  * anyone means; and what the model's plan warns of. A warning each. Thread: set-up only. */
 void ss_world_doubt(const ss_world *world, const ss_notes *out);
+/* What the author of a new scene asks first: the body's box, how much is held, which values of
+ * regions overlap, what a step costs, and how a hand gets to the tissue. Notes of what is used.
+ * Thread: set-up only. */
+void ss_world_advise(const ss_world *world, const ss_notes *out);
 /* Descriptors of the models built in, for scene/. Returns their number. */
 int32_t ss_world_scene_models(ss_scene_model out_models[SS_MAX_MODELS]);
 

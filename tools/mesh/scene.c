@@ -54,14 +54,6 @@ static const char *const wanted[][MAX_MODELS] = {
 /* Haptic periods of a step, at most: a hand feels less of what comes later. */
 static const int32_t slowest[] = {[FOR_FEEL] = 4, [FOR_ACCURACY] = 10, [FOR_SPEED] = 2};
 
-static const struct {
-    const char *name;
-    double towards[3];
-    const char *axes; /* of the bridge, for a device whose z points there */
-} sides[] = {{"+z", {0, 0, 1}, "x,y,z"}, {"-z", {0, 0, -1}, "x,-y,-z"},
-             {"+x", {1, 0, 0}, "z,x,y"}, {"-x", {-1, 0, 0}, "-z,y,x"},
-             {"+y", {0, 1, 0}, "y,z,x"}, {"-y", {0, -1, 0}, "x,-z,y"}};
-
 typedef struct request {
     const char *mesh, *tissue_name, *out, *fixed, *model, *preview;
     int32_t units, purpose, side;
@@ -657,10 +649,10 @@ static int write_scene(const void *what, softsim_error *error)
     ss_mesh *mesh = NULL;
     ss_output output = {0};
     organ o = {.tissue = tissue_find(q->tissue_name),
-               .side = sides[q->side].name,
-               .axes = sides[q->side].axes,
+               .side = ss_touch_sides[q->side].name,
+               .axes = ss_touch_sides[q->side].axes,
                .scale = 1.0};
-    ss_copy3(o.towards, sides[q->side].towards);
+    ss_copy3(o.towards, ss_touch_sides[q->side].towards);
     ss_progress_begin("softsim-mesh", "reading %s", q->mesh);
     softsim_status status = load(q, &o, &mesh, error);
     status = status == SOFTSIM_OK ? make(q, mesh, &output, &o, error) : status;
