@@ -4,129 +4,155 @@
  * Convex meshes as tools.
  *
  * With m(x) the largest of the faces' plane values n_f . x - b_f: inside, d = m exactly; outside,
- * d is the distance t to the nearest triangle, sought among those whose plane faces x (only they
- * can hold the nearest point) and skipped where the plane value alone exceeds the best so far.
- * Planes are first pushed out to hold every vertex, by e at most (the mesh's lack of convexity,
- * refused above 1e-3 of its size); outside then d = max(m, t - e), which meets m at the faces and
- * keeps |grad d| <= 1. Cost: at most 256 planes a point inside; the triangles only outside.
+ * d is the distance t to the nearest triangle. Planes are first pushed out to hold every vertex, by
+ * e at most (the mesh's lack of convexity, refused above 1e-3 of its size); outside then
+ * d = max(m, t - e), which meets m at the faces and keeps |grad d| <= 1. So where x is straight
+ * above a triangle, h above its plane, t <= h <= m + e and d = m; such a plane's value is m - e at
+ * least, since the foot is a point of the pushed hull, h away. Everywhere else t is the distance of
+ * the nearest edge. Only the planes, triangles and edges that the cell of x lists are looked at
+ * (convex_cells.c), and the last two only outside, where the caller wants to know more than that
+ * x is further than m.
  */
 #include <float.h>
 #include <math.h>
 
-#include "contact/shape.h"
+#include "contact/convex.h"
 #include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
 enum {
-    MAX_PLANES = 256,     /* after merging; bounds the cost of a point */
-    MAX_TRIANGLES = 2048, /* the same, outside */
+    MAX_PLANES = 256,     /* after merging */
+    MAX_TRIANGLES = 2048, /* a number of one is 16 bits in the cells' lists */
     MAX_VERTICES = 4096
-};
-
-struct ss_convex {
-    int32_t vertex_count, triangle_count, plane_count;
-    double (*vertex)[3];
-    int32_t (*triangle)[3];
-    int32_t *plane_of;  /* of a triangle */
-    double (*plane)[4]; /* outward unit normal, offset */
-    double bulge;       /* e, m */
-    double centre[3];   /* mean of the vertices */
-    double bounding_radius, inradius;
-    double low[3], high[3];
 };
 
 /* ---- distance ---- */
 
-/* Nearest point of triangle abc to x: of its inside, or of the nearest of its edges. */
-static void nearest_on_segment(const double a[3], const double b[3], const double x[3],
-                               double out[3])
-{
-    double edge[3], r[3];
-    ss_sub3(edge, b, a);
-    ss_sub3(r, x, a);
-    const double square = ss_dot3(edge, edge);
-    const double t = square > 0.0 ? ss_dot3(r, edge) / square : 0.0;
-    ss_madd3(out, a, fmax(0.0, fmin(1.0, t)), edge);
-}
-
-/* Distance from x to triangle `t`. */
-static double triangle_distance(const ss_convex *convex, int32_t t, const double x[3],
-                                double out_nearest[3])
+/* Is x straight above or below triangle `t`? */
+static bool is_over(const ss_convex *convex, int32_t t, const double x[3])
 {
     const int32_t *v = convex->triangle[t];
     const double *normal = convex->plane[convex->plane_of[t]];
-    double best = DBL_MAX;
-    bool is_over = true;
-    ss_copy3(out_nearest, x);
     for (int k = 0; k < 3; ++k) {
         const double *a = convex->vertex[v[k]];
-        const double *b = convex->vertex[v[(k + 1) % 3]];
         double edge[3], r[3], inward[3];
-        ss_sub3(edge, b, a);
+        ss_sub3(edge, convex->vertex[v[(k + 1) % 3]], a);
         ss_sub3(r, x, a);
         ss_cross3(inward, normal, edge);
-        is_over = is_over && ss_dot3(r, inward) >= 0.0;
-    }
-    if (is_over) {
-        double r[3];
-        ss_sub3(r, x, convex->vertex[v[0]]);
-        const double above = ss_dot3(r, normal);
-        ss_madd3(out_nearest, x, -above, normal);
-        return fabs(above);
-    }
-    for (int k = 0; k < 3; ++k) {
-        double point[3], r[3];
-        nearest_on_segment(convex->vertex[v[k]], convex->vertex[v[(k + 1) % 3]], x, point);
-        ss_sub3(r, x, point);
-        const double d = ss_norm3(r);
-        if (d < best) {
-            best = d;
-            ss_copy3(out_nearest, point);
+        if (ss_dot3(r, inward) < 0.0) {
+            return false;
         }
     }
-    return best;
+    return true;
 }
 
-double ss_convex_distance(const ss_convex *convex, const double x[3], double out_normal[3])
+double ss_convex_edge_square(const ss_convex *convex, int32_t e, const double x[3],
+                             double out_away[3])
 {
-    double value[MAX_PLANES];
+    const double *a = convex->vertex[convex->edge[e][0]];
+    double along[3];
+    ss_sub3(along, convex->vertex[convex->edge[e][1]], a);
+    ss_sub3(out_away, x, a);
+    const double square = ss_dot3(along, along);
+    const double t = square > 0.0 ? ss_dot3(out_away, along) / square : 0.0;
+    ss_madd3(out_away, out_away, t < 0.0 ? 0.0 : t > 1.0 ? -1.0 : -t, along);
+    return ss_dot3(out_away, out_away);
+}
+
+/* The highest of the planes `number`, NULL: of all. */
+static double highest_plane(const ss_convex *convex, const uint16_t *number, int32_t count,
+                            const double x[3], int32_t *out_plane)
+{
     double most = -DBL_MAX;
-    int32_t top = 0;
-    for (int32_t f = 0; f < convex->plane_count; ++f) {
-        value[f] = ss_dot3(convex->plane[f], x) - convex->plane[f][3];
-        if (value[f] > most) {
-            most = value[f];
-            top = f;
+    *out_plane = 0;
+    for (int32_t i = 0; i < count; ++i) {
+        const int32_t f = number != NULL ? number[i] : i;
+        const double value = ss_convex_plane_value(convex, f, x);
+        if (value > most) {
+            most = value;
+            *out_plane = f;
         }
     }
-    ss_copy3(out_normal, convex->plane[top]);
-    if (most <= 0.0) {
-        return most;
+    return most;
+}
+
+/* Is x straight above one of the triangles that can be the nearest? m is `most` there. */
+static bool is_over_any(const ss_convex *convex, const uint16_t *number, int32_t count,
+                        const double x[3], double most)
+{
+    for (int32_t i = 0; i < count; ++i) {
+        const int32_t t = number != NULL ? number[i] : i;
+        if (ss_convex_plane_value(convex, convex->plane_of[t], x) >= most - convex->bulge &&
+            is_over(convex, t, x)) {
+            return true;
+        }
     }
+    return false;
+}
+
+/* t of the edges `number`, NULL: of all, and the way from there. */
+static double nearest_edge(const ss_convex *convex, const uint16_t *number, int32_t count,
+                           const double x[3], double out_away[3])
+{
     double best = DBL_MAX;
-    double nearest[3] = {0.0, 0.0, 0.0};
-    for (int32_t t = 0; t < convex->triangle_count; ++t) {
-        const double above = value[convex->plane_of[t]];
-        if (above > -convex->bulge && above < best) {
-            double point[3];
-            const double d = triangle_distance(convex, t, x, point);
-            if (d < best) {
-                best = d;
-                ss_copy3(nearest, point);
-            }
+    for (int32_t i = 0; i < count; ++i) {
+        double away[3];
+        const double square =
+            ss_convex_edge_square(convex, number != NULL ? number[i] : i, x, away);
+        if (square < best) {
+            best = square;
+            ss_copy3(out_away, away);
         }
     }
-    if (best == DBL_MAX || best - convex->bulge <= most) {
+    return sqrt(best);
+}
+
+/* The distance to the mesh's box. */
+static double box_distance(const ss_convex *convex, const double x[3], double out_normal[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        out_normal[k] = x[k] - fmax(convex->low[k], fmin(convex->high[k], x[k]));
+    }
+    return ss_normalize3(out_normal);
+}
+
+double ss_convex_distance(const ss_convex *convex, const double x[3], double limit,
+                          double out_normal[3])
+{
+    const ss_convex_cell *cell = ss_convex_find_cell(convex, x);
+    if (cell == NULL) {
+        const double away = box_distance(convex, x, out_normal);
+        if (away >= limit) {
+            return away;
+        }
+    }
+    const uint16_t *plane = NULL, *triangle = NULL, *edge = NULL; /* beyond the cells: all */
+    int32_t planes = convex->plane_count, triangles = convex->triangle_count;
+    int32_t edges = convex->edge_count;
+    if (cell != NULL) {
+        plane = convex->list + cell->plane;
+        triangle = convex->list + cell->triangle;
+        edge = convex->list + cell->edge;
+        planes = cell->triangle - cell->plane;
+        triangles = cell->edge - cell->triangle;
+        edges = cell->end - cell->edge;
+    }
+    int32_t top;
+    const double most = highest_plane(convex, plane, planes, x, &top);
+    ss_copy3(out_normal, convex->plane[top]);
+    if (most <= 0.0 || most >= limit || is_over_any(convex, triangle, triangles, x, most)) {
         return most;
     }
-    double away[3];
-    ss_sub3(away, x, nearest);
-    if (ss_norm3(away) > 1e-100) { /* else the plane's normal stands */
-        ss_normalize3(away);
-        ss_copy3(out_normal, away);
+    double away[3] = {0.0, 0.0, 0.0};
+    const double nearest = nearest_edge(convex, edge, edges, x, away);
+    if (nearest - convex->bulge <= most) {
+        return most;
     }
-    return best - convex->bulge;
+    if (nearest > 1e-100) { /* else the plane's normal stands */
+        ss_scale3(out_normal, away, 1.0 / nearest);
+    }
+    return nearest - convex->bulge;
 }
 
 double ss_convex_bounding_radius(const ss_convex *convex)
@@ -191,7 +217,7 @@ static void convex_destroy(ss_convex *convex)
 {
     if (convex != NULL) {
         SS_EACH(ss_memory_free, convex->vertex, convex->triangle, convex->plane_of, convex->plane,
-                convex);
+                convex->edge, convex->cell, convex->list, convex);
     }
 }
 
@@ -290,6 +316,25 @@ static void push_planes(ss_convex *convex)
     }
 }
 
+/* Each edge once, as the first of its triangles has it. A closed surface has it both ways round. */
+static bool list_edges(ss_convex *convex)
+{
+    convex->edge = ss_memory_get(3 * (size_t)convex->triangle_count, sizeof *convex->edge);
+    for (int32_t i = 0; convex->edge != NULL && i < 3 * convex->triangle_count; ++i) {
+        const int32_t *v = convex->triangle[i / 3];
+        const int32_t a = v[i % 3], b = v[(i + 1) % 3];
+        bool is_known = false;
+        for (int32_t e = 0; e < convex->edge_count && !is_known; ++e) {
+            is_known = convex->edge[e][0] == b && convex->edge[e][1] == a;
+        }
+        if (!is_known) {
+            convex->edge[convex->edge_count][0] = a;
+            convex->edge[convex->edge_count++][1] = b;
+        }
+    }
+    return convex->edge != NULL;
+}
+
 /* Why a mesh cannot be a convex tool; NULL when it can. */
 static const char *build(ss_convex *convex, const ss_mesh *mesh)
 {
@@ -324,7 +369,7 @@ static const char *build(ss_convex *convex, const ss_mesh *mesh)
     if (!(convex->bulge <= 1e-3 * size) || !(convex->inradius > 0.0)) {
         return "is not convex within 0.001 of its size: give its convex hull, or a shape";
     }
-    return NULL;
+    return list_edges(convex) && ss_convex_divide(convex) ? NULL : "does not fit into memory";
 }
 
 softsim_status ss_shape_init_convex(ss_shape *shape, const ss_mesh *mesh, softsim_error *error)

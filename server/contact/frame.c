@@ -65,3 +65,11 @@ double ss_frame_distance(const ss_frame *frame, const ss_real r[3], double out_n
     }
     return d;
 }
+
+double ss_frame_distance_bound(const ss_frame *frame, const ss_real r[3])
+{
+    const double world[3] = {(double)r[0], (double)r[1], (double)r[2]};
+    double local[3], normal[3];
+    ss_rotate_back(local, frame->orientation, world);
+    return ss_shape_distance_below(frame->shape, local, 0.0, normal);
+}

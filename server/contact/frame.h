@@ -11,6 +11,7 @@
  */
 #include <math.h>
 
+#include "contact/shape.h"
 #include "contact/surface.h"
 #include "rt/vec.h"
 
@@ -29,6 +30,8 @@ void ss_frame_set(ss_frame *frame, const ss_shape *shape, const double origin_sh
                   const ss_tool_pose *pose);
 /* Signed distance of the point at `r`, and its gradient (may be NULL), in double. */
 double ss_frame_distance(const ss_frame *frame, const ss_real r[3], double out_normal[3]);
+/* A lower bound of the distance, exact inside: what a cull asks. */
+double ss_frame_distance_bound(const ss_frame *frame, const ss_real r[3]);
 /* The gradient on a round tool's core, where there is none: a fixed choice. */
 void ss_frame_core_normal(const ss_frame *frame, ss_real out[3]);
 
@@ -72,7 +75,7 @@ static inline void ss_frame_normal(const ss_frame *frame, const ss_wide *r, ss_r
     }
 }
 
-/* Is the point at `r` further from the tool than `distance`? False when not a number. */
+/* Is the point at `r` surely further from the tool than `distance`? False when not a number. */
 static inline bool ss_frame_is_beyond(const ss_frame *frame, const ss_wide *r, ss_real distance)
 {
     if (frame->is_round) {
@@ -82,7 +85,7 @@ static inline bool ss_frame_is_beyond(const ss_frame *frame, const ss_wide *r, s
         return ss_wide_square(&q) > reach * reach;
     }
     const ss_real at[3] = {(*r)[0], (*r)[1], (*r)[2]};
-    return ss_frame_distance(frame, at, NULL) > (double)distance;
+    return ss_frame_distance_bound(frame, at) > (double)distance;
 }
 
 /* The distance where it is less than `limit`, with its gradient; else false. */
@@ -105,7 +108,7 @@ static inline bool ss_frame_find(const ss_frame *frame, const ss_wide *r, ss_rea
     const double world[3] = {(double)(*r)[0], (double)(*r)[1], (double)(*r)[2]};
     double local[3], normal[3];
     ss_rotate_back(local, frame->orientation, world);
-    *out_d = (ss_real)ss_shape_distance(frame->shape, local, normal);
+    *out_d = (ss_real)ss_shape_distance_below(frame->shape, local, (double)limit, normal);
     if (!(*out_d < limit)) {
         return false;
     }

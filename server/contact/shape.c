@@ -134,6 +134,12 @@ static double cone_distance(double radius, double half_length, const double x[3]
 
 double ss_shape_distance(const ss_shape *shape, const double x[3], double out_normal[3])
 {
+    return ss_shape_distance_below(shape, x, INFINITY, out_normal);
+}
+
+double ss_shape_distance_below(const ss_shape *shape, const double x[3], double limit,
+                               double out_normal[3])
+{
     /* Also false for NaN; squares further out would overflow. */
     if (!(fabs(x[0]) < 1e60 && fabs(x[1]) < 1e60 && fabs(x[2]) < 1e60)) {
         ss_set3(out_normal, 0.0, 0.0, 1.0);
@@ -151,7 +157,7 @@ double ss_shape_distance(const ss_shape *shape, const double x[3], double out_no
     case SS_SHAPE_CONE:
         return cone_distance(shape->radius, shape->half_length, x, out_normal);
     case SS_SHAPE_CONVEX:
-        return ss_convex_distance(shape->convex, x, out_normal);
+        return ss_convex_distance(shape->convex, x, limit, out_normal);
     }
     ss_set3(out_normal, 0.0, 0.0, 1.0);
     return INFINITY;

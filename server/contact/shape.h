@@ -4,7 +4,12 @@
 /* Private to contact/: what shape.c needs of convex meshes (convex.c). All RT-safe. */
 #include "contact/contact.h"
 
-double ss_convex_distance(const ss_convex *convex, const double x[3], double out_normal[3]);
+/* The signed distance of x where that is below `limit`; else a lower bound of it, not below. */
+double ss_convex_distance(const ss_convex *convex, const double x[3], double limit,
+                          double out_normal[3]);
+/* The same of any shape, but for the others always the distance. */
+double ss_shape_distance_below(const ss_shape *shape, const double x[3], double limit,
+                               double out_normal[3]);
 double ss_convex_bounding_radius(const ss_convex *convex);
 double ss_convex_inradius(const ss_convex *convex);
 /* Extent along z about the origin, and the largest extent of the bounding box. */

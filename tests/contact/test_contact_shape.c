@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "contact/contact.h"
+#include "contact/convex.h"
 #include "contact_fixture.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -238,6 +239,143 @@ TEST(a_prism_with_many_sides_is_nearly_a_cylinder)
                     4e-4);
         assert_near(ss_norm3(normal), 1.0, 1e-12);
     }
+    ss_shape_fini(&hull);
+}
+
+/* The hull of random points on an ellipsoid, none of which it holds inside: a triple is a face when
+ * all others are on one side of it. */
+static void make_random_hull(int32_t count, const double axes[3])
+{
+    begin_mesh();
+    mesh.is_closed = true;
+    for (int32_t i = 0; i < count; ++i) {
+        double x[3];
+        do {
+            random_point(x, 1.0);
+        } while (ss_norm3(x) > 1.0 || ss_norm3(x) < 0.1);
+        ss_normalize3(x);
+        add_node(0.3 + axes[0] * x[0], axes[1] * x[1], axes[2] * x[2]);
+    }
+    for (int32_t a = 0; a < count; ++a) {
+        for (int32_t b = a + 1; b < count; ++b) {
+            for (int32_t c = b + 1; c < count; ++c) {
+                int32_t above = 0;
+                for (int32_t d = 0; d < count; ++d) {
+                    above += d != a && d != b && d != c &&
+                             ss_six_volumes3(positions[a], positions[b], positions[c],
+                                             positions[d]) > 0.0;
+                }
+                if (above == 0) {
+                    add_triangle(a, b, c);
+                } else if (above == count - 3) {
+                    add_triangle(a, c, b);
+                }
+            }
+        }
+    }
+}
+
+static double distance_to_segment(const double a[3], const double b[3], const double x[3])
+{
+    double ab[3], ax[3];
+    ss_sub3(ab, b, a);
+    ss_sub3(ax, x, a);
+    ss_madd3(ax, ax, -fmax(0.0, fmin(1.0, ss_dot3(ax, ab) / ss_dot3(ab, ab))), ab);
+    return ss_norm3(ax);
+}
+
+/* The signed distance of x, by all faces: the highest plane inside; outside the nearest face that
+ * x is straight above, or the nearest edge. */
+static double distance_by_all_faces(const double x[3])
+{
+    double highest = -DBL_MAX, nearest = DBL_MAX;
+    for (int32_t t = 0; t < mesh.triangle_count; ++t) {
+        const double *corner[3];
+        double n[3], ax[3];
+        bool is_above = true;
+        for (int k = 0; k < 3; ++k) {
+            corner[k] = positions[triangles[t][k]];
+        }
+        ss_normal3(n, corner[0], corner[1], corner[2]);
+        ss_normalize3(n);
+        ss_sub3(ax, x, corner[0]);
+        const double height = ss_dot3(n, ax);
+        highest = fmax(highest, height);
+        for (int k = 0; k < 3; ++k) {
+            double side[3];
+            ss_normal3(side, corner[k], corner[(k + 1) % 3], x);
+            is_above = is_above && ss_dot3(side, n) >= 0.0;
+            nearest = fmin(nearest, distance_to_segment(corner[k], corner[(k + 1) % 3], x));
+        }
+        nearest = is_above ? fmin(nearest, fabs(height)) : nearest;
+    }
+    return highest <= 0.0 ? highest : nearest;
+}
+
+TEST(a_hull_is_as_far_as_all_its_faces_say)
+{
+    static const double axes[][3] = {{1.0, 1.0, 1.0}, {1.0, 0.7, 0.05}, {0.1, 0.15, 2.0}};
+    static const int32_t points[] = {4, 9, 40, 100};
+    int32_t inside = 0;
+    seed_state = 27;
+    for (int k = 0; k < 12; ++k) {
+        ss_shape hull;
+        make_random_hull(points[k % 4], axes[k % 3]);
+        assert_int_equal(mesh.triangle_count, 2 * points[k % 4] - 4);
+        const int64_t before = ss_memory_in_use();
+        assert_int_equal(ss_shape_init_convex(&hull, &mesh, NULL), SOFTSIM_OK);
+        for (int i = 0; i < 6000; ++i) {
+            double x[3], normal[3], ahead[3];
+            random_point(x, 1.0);
+            for (int d = 0; d < 3; ++d) { /* a third in its box, others about it and far */
+                x[d] = (d == 0 ? 0.3 : 0.0) + axes[k % 3][d] * x[d] * (i % 3 == 0 ? 1.0 : 1.6) +
+                       (i % 30 == 1 ? 3.0 * x[d] : 0.0);
+            }
+            const double expected = distance_by_all_faces(x);
+            const double d = ss_shape_distance(&hull, x, normal);
+            assert_near(d, expected, 1e-12);
+            ss_madd3(ahead, x, -0.5 * fmax(d, 0.0), normal); /* half the way to the nearest point */
+            assert_near(ss_shape_distance(&hull, ahead, normal), d - 0.5 * fmax(d, 0.0), 1e-12);
+            /* With a limit: the distance where it is below it, else no more than the distance. */
+            const double limit = 0.2 * random_unit();
+            const double known = ss_shape_distance_below(&hull, x, limit, normal);
+            if (expected < limit - 1e-12) {
+                assert_near(known, expected, 1e-12);
+            } else {
+                assert_true(known >= limit - 1e-12 && known <= expected + 1e-12);
+            }
+            inside += expected < 0.0;
+        }
+        ss_shape_fini(&hull);
+        assert_int_equal(ss_memory_in_use(), before);
+    }
+    assert_true(inside > 2000);
+}
+
+/* A tool of many faces asks few of them: those near the answer. */
+TEST(a_hull_of_many_faces_asks_few)
+{
+    static const double axes[3] = {1.0, 1.0, 1.0};
+    ss_shape hull;
+    seed_state = 28;
+    make_random_hull(114, axes);
+    assert_int_equal(mesh.triangle_count, 224);
+    assert_int_equal(ss_shape_init_convex(&hull, &mesh, NULL), SOFTSIM_OK);
+    const int32_t point_count = 4000;
+    double planes = 0.0, edges = 0.0;
+    for (int32_t i = 0; i < point_count; ++i) { /* from half the radius to a fifth above the face */
+        double x[3];
+        random_point(x, 1.0);
+        ss_normalize3(x);
+        ss_scale3(x, x, 0.5 + 0.7 * random_unit());
+        x[0] += 0.3;
+        const ss_convex_cell *cell = ss_convex_find_cell(hull.convex, x);
+        assert_non_null(cell);
+        planes += (double)(cell->triangle - cell->plane) / point_count;
+        edges += (double)(cell->end - cell->edge) / point_count;
+    }
+    print_message("of 224 faces a point asks %.1f planes, and outside %.1f edges\n", planes, edges);
+    assert_true(planes < 10.0 && edges < 30.0);
     ss_shape_fini(&hull);
 }
 
