@@ -123,8 +123,11 @@ typedef struct ss_local_friction {
     double held;               /* share of the hand's way along the surface that the proxy does
                                   not go, smoothed */
     double told[3], torque[3]; /* N, N m about the tool's origin: of the last result */
-    double arm[3];             /* m, from the tool's origin to the middle of the contacts, then */
-    double turned[3];          /* m: the way of that by the turn, in the last tick */
+    /* Of the contacts' force, what the model exerts along their surface and against their mean
+     * normal: of the last result, and as it comes down to that. */
+    double share_told[2], share[2];
+    double arm[3];    /* m, from the tool's origin to the middle of the contacts, then */
+    double turned[3]; /* m: the way of that by the turn, in the last tick */
 } ss_local_friction;
 
 #define SS_OFFSET_TIME_MIN 0.004 /* s, the least in which an offset decays */
@@ -269,15 +272,10 @@ void ss_local_contact_keep_torque(ss_local_contact *local, const double before[3
 void ss_friction_decay(ss_local_friction *friction, double kept);
 /* A new result's, with the proxy at `p`, so that the force stays. After the contacts. */
 void ss_friction_take(ss_local_contact *local, const ss_contact_set *set, const double p[3]);
-/* The friction's force, from proxy `p` of the last tick on, by a balance `without` it; the balance
- * with it. */
-void ss_friction_balance(ss_local_contact *local, const double p[3], const ss_rest *without,
-                         ss_balance *balance);
-/* Keeps to the limit of that balance, for a coupling of `spring`. */
-void ss_friction_settle(ss_local_contact *local, const ss_rest *rest, double spring, double period,
-                        ss_balance *balance);
-/* Coulomb: no more than `limit`, N. */
-void ss_friction_cut(ss_local_friction *friction, double limit);
+/* The balance with friction, from the proxy `p` of the last tick on, for a coupling of `spring`;
+ * `rest` is where it rests without. Its force is then in the balance's `other`. */
+void ss_friction_balance(ss_local_contact *local, const double p[3], double spring, double period,
+                         ss_balance *balance, ss_rest *rest);
 /* Adds its torque about the tool's origin. */
 void ss_friction_torque(const ss_local_contact *local, double out[3]);
 

@@ -30,7 +30,6 @@ TEST(random_walks_never_have_negative_dissipation)
         const uint64_t seed = random_state;
         const double k_t = uniform(10.0, 5000.0), spring = uniform(100.0, 20000.0);
         ss_local_contact local;
-        ss_balance balance = {.spring = spring, .limit = INFINITY};
         double hand[3] = {0.0, 0.0, 0.0}, p[3] = {0.0, 0.0, 0.0}, held = 0.0, lost = 0.0;
         one_contact(&local, k_t);
         for (int n = 0; n < 20000; ++n) {
@@ -39,13 +38,16 @@ TEST(random_walks_never_have_negative_dissipation)
                 hand[k] += uniform(-1e-4, 1e-4);
             }
             const double jump = uniform(0.0, 1.0);
-            ss_rest rest = {.force = {jump < 0.1 ? 0.0 : 3.0 * jump}};
-            ss_copy3(rest.p, hand);
+            /* A contact that pushes as hard wherever the proxy is. */
+            ss_balance balance = {.spring = spring, .limit = INFINITY, .count = 1};
+            ss_rest rest;
+            balance.row[0].normal[2] = 1.0;
+            balance.row[0].free_force = jump < 0.1 ? 0.0 : 3.0 * jump;
             ss_copy3(balance.p_free, hand);
-            ss_set3(balance.other, 0.0, 0.0, 0.0);
-            ss_friction_balance(&local, p, &rest, &balance);
+            (void)ss_coupling_balance(&balance, &rest);
+            ss_friction_balance(&local, p, spring, T, &balance, &rest);
             ss_copy3(before, p);
-            ss_madd3(p, hand, 1.0 / spring, local.friction.force);
+            ss_copy3(p, rest.p);
             ss_sub3(way, p, before);
             const double *f = local.friction.force;
             assert_true(ss_norm3(f) <= MU * rest.force[0] * (1.0 + 1e-12));

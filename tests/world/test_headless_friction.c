@@ -301,6 +301,70 @@ TEST(a_tool_with_extent_feels_a_torque)
     assert_true(fabs(torque[0]) < 0.05 * fabs(torque[1]));
 }
 
+/* A tilted tool, `depth` deep at a limit of 1 N, then slowly twisted, or slid, and held. */
+typedef struct at_limit {
+    const char *shape;
+    double reach, tilt, depth, friction, twist, slide;
+} at_limit;
+
+static bool stays_at_the_limit(const at_limit *c)
+{
+    char shape[128], friction[64];
+    (void)snprintf(shape, sizeof shape, "contact.tools=[{probe: 0, shape: {%s}}]", c->shape);
+    (void)snprintf(friction, sizeof friction, "contact.friction=%g", c->friction);
+    const char *const set[] = {shape, friction, "haptic.max_force_n=1", kidney_mesh()};
+    softsim_world *world = open_scene(KIDNEY, set, 4);
+    double last[3] = {0.0, 0.0, 0.0}, step = 0.0, slip = 0.0, least = 1.0, most = 0.0;
+    int reached = 0;
+    for (int n = 0; n <= 2800; ++n) {
+        const double moved = smooth((n - 600) / 2000.0);
+        const double x[3] = {c->slide * moved, 0.006,
+                             0.0223 + c->reach - c->depth * smooth(n / 400.0)};
+        const double down[4] = {0.0, 1.0, 0.0, 0.0};
+        const double tilt[3] = {0.0, c->tilt, 0.0}, twist[3] = {0.0, 0.0, c->twist * moved};
+        double tilted[4], change[3], way[3];
+        softsim_pose pose = pose_of(n + 1, x);
+        ss_turn(down, tilt, tilted);
+        ss_turn(tilted, twist, pose.orientation);
+        const softsim_force force = feel(world, &pose);
+        ss_sub3(change, force.force, last);
+        ss_sub3(way, force.proxy, x);
+        ss_copy3(last, force.force);
+        const double size = ss_norm3(last);
+        most = fmax(most, size);
+        slip = fmax(slip, ss_norm3(way));
+        reached += size >= 0.999;
+        if (n > 600) {
+            step = fmax(step, ss_norm3(change));
+            least = reached > 0 ? fmin(least, size) : least;
+        }
+    }
+    softsim_destroy(&world);
+    const bool is_good =
+        most <= 1.0001 && least >= 0.999 && step <= 0.02 && slip <= 0.015 && reached > 2000;
+    print_message("%s tilted %g, mu %g, twist %g, slide %g mm: %d ticks at 1 N, at least %.3f N, "
+                  "steps %.4f N, proxy %.1f mm off%s\n",
+                  c->shape, c->tilt, c->friction, c->twist, 1e3 * c->slide, reached, least, step,
+                  1e3 * slip, is_good ? "" : ": BAD");
+    return is_good;
+}
+
+TEST(a_slow_twist_or_slide_stays_at_the_limit)
+{
+#define LONG_CONE    "cone: {radius_mm: 6, length_mm: 14}", 0.007
+#define LONG_CAPSULE "capsule: {radius_mm: 4, length_mm: 24}", 0.004
+    static const at_limit cases[] = {
+        {LONG_CAPSULE, 1.2, 0.009, 0.6, 0.0, 0.01}, {LONG_CONE, -0.8, 0.010, 0.3, 0.0, 0.01},
+        {LONG_CONE, 0.6, 0.010, 0.3, 0.6, 0.01},    {LONG_CONE, 1.2, 0.012, 0.3, 0.0, 0.01},
+        {LONG_CONE, 0.8, 0.009, 0.3, 1.0, 0.0},     {LONG_CAPSULE, 1.57, 0.009, 0.6, 1.0, 0.0},
+    };
+    bool is_good = true;
+    for (int k = 0; k < FULL_IN_LONG_RUN(6, FULL_IN_RELEASE(3, 1)); ++k) {
+        is_good = stays_at_the_limit(&cases[k]) && is_good;
+    }
+    assert_true(is_good);
+}
+
 TEST(a_model_that_cannot_says_so)
 {
     expect_chainmail_refuses("contact.friction=0.3", "contact.friction: chainmail cannot");
