@@ -8,7 +8,7 @@
 #include "rt/memory.h"
 #include "rt/note.h"
 
-SS_KERNEL_PATHS(ss_fem_kernels)
+SS_KERNEL_PATHS_512(ss_fem_kernels)
 
 /* ---- life ---- */
 

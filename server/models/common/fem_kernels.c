@@ -3,7 +3,7 @@
 #include "models/common/fem_element.h"
 /*
  * The kernels, written once. This file is compiled for the baseline processor as it stands, and
- * once more for AVX2 with 256-bit vectors and fused multiply-add.
+ * again for AVX2 (256-bit vectors, fused multiply-add) and for the registers of AVX-512VL.
  *
  * Element e with corners 0..3, from displacements relative to corner 0:
  *
@@ -197,5 +197,5 @@ static void growth(const ss_fem_pass *pass, ss_real *out_growth, ss_real *out_ra
 
 /* ---- the table ---- */
 
-SS_KERNEL_TABLE(ss_fem_kernels, .force = force, .tangent = tangent, .dilate = dilate,
-                .growth = growth);
+SS_KERNEL_TABLE_512(ss_fem_kernels, .force = force, .tangent = tangent, .dilate = dilate,
+                    .growth = growth);

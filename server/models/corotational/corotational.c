@@ -21,7 +21,7 @@
 #include "rt/memory.h"
 #include "rt/note.h"
 
-SS_KERNEL_PATHS(ss_corot_kernels)
+SS_KERNEL_PATHS_512(ss_corot_kernels)
 
 /* Microseconds a step, and a tetrahedron in it: ellipsoids of 3712 to 24,748 tetrahedra of 3 kPa at
  * 1 ms that swing under their weight; and how much more it is with a tool pressed deep into them.

@@ -3,7 +3,7 @@
 #include "models/corotational/kernels.h"
 /*
  * The kernels, written once. This file is compiled for the baseline processor as it stands, and
- * once more for AVX2 with 256-bit vectors and fused multiply-add.
+ * again for AVX2 (256-bit vectors, fused multiply-add) and for the registers of AVX-512VL.
  *
  * Element with displacement gradient H, F = I + H, and the rotation R nearest to F:
  *
@@ -469,5 +469,5 @@ static double descend(int32_t count, double s, const ss_real *p, const ss_real *
 
 /* ---- the table ---- */
 
-SS_KERNEL_TABLE(ss_corot_kernels, .evaluate = evaluate, .multiply = multiply, .dot = dot,
+SS_KERNEL_TABLE_512(ss_corot_kernels, .evaluate = evaluate, .multiply = multiply, .dot = dot,
                 .scale = scale, .turn = turn, .descend = descend);

@@ -3,7 +3,7 @@
 #include "models/fem_quadratic/kernels.h"
 /*
  * The kernels, written once. This file is compiled for the baseline processor as it stands, and
- * once more for AVX2 with 256-bit vectors and fused multiply-add.
+ * again for AVX2 (256-bit vectors, fused multiply-add) and for the registers of AVX-512VL.
  *
  * Barycentric coordinates l_k; the gradient of a quadratic field is linear in them:
  *
@@ -382,36 +382,45 @@ SS_INLINE void tangent_columns(ss_tissue_kind kind, bool is_curved, const cell *
     }
 }
 
-SS_INLINE void tangent_block(ss_tissue_kind kind, bool is_curved, const ss_quadratic_pass *pass,
-                             int32_t block, int lane)
-{
-    const cell c = cell_at(pass->blocks, is_curved, false, block, lane);
-    nodal u, x;
-    columns f;
-    load(&c, pass->u, &u);
-    load(&c, pass->x, &x);
-    tangent_columns(kind, is_curved, &c, &u, &x, &f);
-    spread_columns(&c, &f, 1.0, pass->out);
-}
+/* One of each, shared by tangents and rates, so that a law's code stands once. */
+typedef void columns_of(const cell *c, const nodal *u, const nodal *x, columns *f);
+#define COLUMNS_OF(name, kind)                                                                     \
+    static void name##_straight(const cell *c, const nodal *u, const nodal *x, columns *f)         \
+    {                                                                                              \
+        tangent_columns(kind, false, c, u, x, f);                                                  \
+    }                                                                                              \
+    static void name##_curved(const cell *c, const nodal *u, const nodal *x, columns *f)           \
+    {                                                                                              \
+        tangent_columns(kind, true, c, u, x, f);                                                   \
+    }
+COLUMNS_OF(stvk_guarded, SS_TISSUE_STVK_GUARDED)
+COLUMNS_OF(stvk, SS_TISSUE_STVK)
+COLUMNS_OF(neo_hookean, SS_TISSUE_NEO_HOOKEAN)
+COLUMNS_OF(stable_neo_hookean, SS_TISSUE_STABLE_NEO_HOOKEAN)
+COLUMNS_OF(linear, SS_TISSUE_LINEAR)
 
-SS_INLINE void tangent_of(ss_tissue_kind kind, const ss_quadratic_pass *pass)
-{
-    const ss_quadratic_blocks *blocks = pass->blocks;
-    for (int32_t b = 0; b < blocks->straight_count; ++b) {
-        for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
-            tangent_block(kind, false, pass, b, lane);
-        }
-    }
-    for (int32_t b = blocks->straight_count; b < blocks->count; ++b) {
-        for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
-            tangent_block(kind, true, pass, b, lane);
-        }
-    }
-}
+static columns_of *const tangent_of[SS_TISSUE_KIND_COUNT][2] = {
+    [SS_TISSUE_STVK_GUARDED] = {stvk_guarded_straight, stvk_guarded_curved},
+    [SS_TISSUE_STVK] = {stvk_straight, stvk_curved},
+    [SS_TISSUE_NEO_HOOKEAN] = {neo_hookean_straight, neo_hookean_curved},
+    [SS_TISSUE_STABLE_NEO_HOOKEAN] = {stable_neo_hookean_straight, stable_neo_hookean_curved},
+    [SS_TISSUE_LINEAR] = {linear_straight, linear_curved}};
 
 static void tangent(ss_quadratic_pass *pass)
 {
-    BY_LAW(pass->kind, tangent_of, pass)
+    const ss_quadratic_blocks *blocks = pass->blocks;
+    for (int32_t b = 0; b < blocks->count; ++b) {
+        const bool is_curved = b >= blocks->straight_count;
+        for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
+            const cell c = cell_at(blocks, is_curved, false, b, lane);
+            nodal u, x;
+            columns f;
+            load(&c, pass->u, &u);
+            load(&c, pass->x, &x);
+            tangent_of[pass->kind][is_curved](&c, &u, &x, &f);
+            spread_columns(&c, &f, 1.0, pass->out);
+        }
+    }
 }
 
 /* ---- the rates of elements ---- */
@@ -421,9 +430,9 @@ static void tangent(ss_quadratic_pass *pass)
 /* Beyond it a product is no motion any more. */
 #define LARGEST 1e30
 
-SS_INLINE void rate_block(ss_tissue_kind kind, bool is_curved, const ss_quadratic_pass *pass,
-                          int32_t block, int lane)
+static void rate_block(const ss_quadratic_pass *pass, int32_t block, int lane)
 {
+    const bool is_curved = block >= pass->blocks->straight_count;
     const cell c = cell_at(pass->blocks, is_curved, false, block, lane);
     const ptrdiff_t first = (ptrdiff_t)block * LANES + lane;
     const ss_real *light = pass->blocks->light + (ptrdiff_t)block * NODES * LANES + lane;
@@ -438,7 +447,7 @@ SS_INLINE void rate_block(ss_tissue_kind kind, bool is_curved, const ss_quadrati
         }
     }
     set_base(&x);
-    tangent_columns(kind, is_curved, &c, &u, &x, &f);
+    tangent_of[pass->kind][is_curved](&c, &u, &x, &f);
     for (int i = 0; i < 3; ++i) {
         y[0][i] = all(0.0);
         for (int n = NODES - 1; n > 0; --n) {
@@ -466,23 +475,13 @@ SS_INLINE void rate_block(ss_tissue_kind kind, bool is_curved, const ss_quadrati
     }
 }
 
-SS_INLINE void rate_of(ss_tissue_kind kind, const ss_quadratic_pass *pass)
-{
-    for (int32_t k = 0; k < pass->block_count; ++k) {
-        const int32_t b = pass->block[k];
-        for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
-            if (b < pass->blocks->straight_count) {
-                rate_block(kind, false, pass, b, lane);
-            } else {
-                rate_block(kind, true, pass, b, lane);
-            }
-        }
-    }
-}
-
 static void rate(const ss_quadratic_pass *pass)
 {
-    BY_LAW(pass->kind, rate_of, pass)
+    for (int32_t k = 0; k < pass->block_count; ++k) {
+        for (int lane = 0; lane < LANES; lane += SS_WIDE_LANES) {
+            rate_block(pass, pass->block[k], lane);
+        }
+    }
 }
 
 /* ---- volume ---- */
@@ -511,5 +510,5 @@ static void ratio(const ss_quadratic_pass *pass, ss_real *out_ratio)
 
 /* ---- the table ---- */
 
-SS_KERNEL_TABLE(ss_quadratic_kernels, .force = force, .tangent = tangent, .rate = rate,
-                .ratio = ratio);
+SS_KERNEL_TABLE_512(ss_quadratic_kernels, .force = force, .tangent = tangent, .rate = rate,
+                    .ratio = ratio);

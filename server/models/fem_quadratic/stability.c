@@ -23,7 +23,7 @@
 #include "rt/hash.h"
 #include "rt/random.h"
 
-SS_KERNEL_PATHS(ss_quadratic_kernels)
+SS_KERNEL_PATHS_512(ss_quadratic_kernels)
 
 /* Outer steps in which every element has its turn; power steps of the body and of an element at
  * rest. */

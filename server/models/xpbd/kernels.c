@@ -3,8 +3,8 @@
 #include "models/xpbd/kernels.h"
 #include "models/common/fem_element.h"
 /*
- * The kernels, written once; compiled for the baseline processor as they stand, and once more
- * for AVX2 with 256-bit vectors and fused multiply-add.
+ * The kernels, written once; compiled for the baseline processor as they stand, and twice more
+ * for AVX2 (256-bit vectors, fused multiply-add) and for the registers of AVX-512VL.
  *
  * One constraint a tetrahedron, in the sense of extended position-based dynamics (Macklin, Mueller,
  * Chentanez 2016, eqs. (18) and (17), with multipliers that begin at 0 in every sub-step: Macklin
@@ -248,4 +248,4 @@ static void finish(int32_t padded_count, double h, const ss_real *mobility, cons
     }
 }
 
-SS_KERNEL_TABLE(ss_xpbd_kernels, .predict = predict, .constrain = constrain, .finish = finish);
+SS_KERNEL_TABLE_512(ss_xpbd_kernels, .predict = predict, .constrain = constrain, .finish = finish);

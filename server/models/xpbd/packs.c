@@ -155,4 +155,4 @@ bool ss_xpbd_packs_create(int32_t element_count, const int32_t (*corner)[4],
 
 /* ---- the path ---- */
 
-SS_KERNEL_PATHS(ss_xpbd_kernels)
+SS_KERNEL_PATHS_512(ss_xpbd_kernels)

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-#include "common/number_fixture.h"
+#include "common/paths_fixture.h"
 #include "models/corotational/kernels.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -141,6 +141,7 @@ TEST(turns_by_the_nearest_rotation)
     octet o;
     octet_init(&o, 0.0, 6.0);
     const ss_corot_kernels *kernels;
+    path_results results = {NULL, NULL};
     for (int path = 0; (kernels = ss_corot_kernels_path(path)) != NULL; ++path) {
         random_state = 7;
         for (int kind = 0; kind < 8; ++kind) {
@@ -165,7 +166,9 @@ TEST(turns_by_the_nearest_rotation)
                 assert_true(kind > 6 || pass.inverted_count == inverted);
             }
         }
+        path_results_take(&results, kernels->name, 32, o.force);
     }
+    path_results_fini(&results);
     octet_fini(&o);
 }
 

@@ -3,6 +3,7 @@
 /* Forces of tetrahedra against the laws, and what must hold of them on any mesh. */
 #include "common/test.h"
 
+#include "common/paths_fixture.h"
 #include "fem_fixture.h"
 
 static const block_size small = {.cells = {3, 2, 3}, .size = {0.03, 0.02, 0.03}, .jitter = 0.2};
@@ -104,6 +105,7 @@ TEST(kernels_compute_the_laws)
                 u[4 * (ptrdiff_t)i + 1] += (ss_real)(0.2 * s.mesh->position[i][1]);
             }
             expectation want = expect(&s, u, v, x);
+            path_results results = {NULL, NULL};
             for (int path = 0; ss_fem_kernels_path(path); ++path) {
                 const ss_fem_kernels *kernels = ss_fem_kernels_path(path);
                 ss_fem_pass pass = {.blocks = &s.model->fem->blocks,
@@ -122,7 +124,9 @@ TEST(kernels_compute_the_laws)
                 pass.out = tangent;
                 kernels->tangent(&pass);
                 near_field(tangent, want.tangent, n, BY_TYPE(1e-4, 1e-11), "tangent");
+                path_results_take(&results, kernels->name, n, force);
             }
+            path_results_fini(&results);
             free(want.force);
             free(want.tangent);
             ss_real *const owned[] = {u, v, x, force, tangent};

@@ -3,6 +3,7 @@
 /* Ten-node tetrahedra against shape functions written out, and what must hold of them anywhere. */
 #include "common/test.h"
 
+#include "common/paths_fixture.h"
 #include "oracles/quadratic_static.h"
 #include "quadratic_fixture.h"
 #include "rt/each.h"
@@ -191,6 +192,7 @@ TEST(forces_are_the_slopes_of_the_energy)
             double *exact = doubles(n, u, 0.0, u), *speed = doubles(n, v, 0.0, v);
             const double energy = book_energy(&b, exact), power = book_power(&b, exact, speed);
             const double slope = book_slope(&b, u, x, 1e-4);
+            path_results results = {NULL, NULL};
             for (int path = 0; ss_quadratic_kernels_path(path); ++path) {
                 ss_quadratic_pass pass = {.blocks = &b.own.blocks,
                                           .kind = b.material.kind,
@@ -207,7 +209,9 @@ TEST(forces_are_the_slopes_of_the_energy)
                 memset(force, 0, 4 * (size_t)n * sizeof *force);
                 ss_quadratic_kernels_path(path)->force(&pass);
                 assert_near(pass.power, power, BY_TYPE(1e-5, 1e-12) * power);
+                path_results_take(&results, ss_quadratic_kernels_path(path)->name, n, force);
             }
+            path_results_fini(&results);
             free(exact);
             free(speed);
             SS_EACH(ss_memory_free, u, x, v, force);

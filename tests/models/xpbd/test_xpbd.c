@@ -8,6 +8,7 @@
 
 #include "common/effort.h"
 #include "common/element_fixture.h"
+#include "common/paths_fixture.h"
 #include "models/common/body.h"
 #include "models/tissue_law.h"
 #include "models/xpbd/kernels.h"
@@ -417,6 +418,7 @@ TEST(all_paths_agree)
     const size_t n = 4 * (size_t)l.mesh->node_count;
     ss_real *first = ss_memory_get(n, sizeof *first);
     for (int m = 0; m < 2; ++m) {
+        path_results results = {NULL, NULL};
         for (int path = 0; ss_xpbd_kernels_path(path); ++path) {
             random_state = 5;
             for (size_t k = 0; k < n; ++k) {
@@ -437,7 +439,10 @@ TEST(all_paths_agree)
                 first[k] = path == 0 ? l.step[k] : first[k];
                 assert_near((double)l.step[k], (double)first[k], BY_TYPE(2e-6, 1e-13));
             }
+            path_results_take(&results, ss_xpbd_kernels_path(path)->name, l.mesh->node_count,
+                              l.step);
         }
+        path_results_fini(&results);
     }
     ss_memory_free(first);
     loose_fini(&l);
