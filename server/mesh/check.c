@@ -24,14 +24,6 @@
 static const double coincidence = 1e-6;
 static const double short_edge = 1e-3;
 
-static void add_fault(ss_mesh_fault *fault, int32_t number)
-{
-    if (fault->count < SS_MESH_FIRST) {
-        fault->first[fault->count] = number;
-    }
-    ++fault->count;
-}
-
 /* ---- nodes ---- */
 
 static void check_positions(const ss_mesh *mesh, ss_mesh_report *report)
@@ -40,7 +32,7 @@ static void check_positions(const ss_mesh *mesh, ss_mesh_report *report)
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         const double *x = mesh->position[i];
         if (!ss_is_finite(x, 3)) {
-            add_fault(&report->non_finite, i);
+            ss_mesh_add_fault(&report->non_finite, i);
             continue;
         }
         for (int k = 0; k < 3; ++k) {
@@ -96,9 +88,20 @@ static int32_t find_twin(const ss_mesh *mesh, const int32_t *head, const int32_t
     return twin;
 }
 
+double ss_mesh_twin_reach(const ss_mesh *mesh, double mean_edge)
+{
+    double largest = 0.0;
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        for (int k = 0; k < 3 && ss_is_finite(mesh->position[i], 3); ++k) {
+            largest = fmax(largest, fabs(mesh->position[i][k]));
+        }
+    }
+    return fmax(fmax(coincidence * mean_edge, 1e-15 * largest), 1e-300);
+}
+
 /* A twin is not entered into the grid, so that cells stay sparse on any input: entered nodes are
  * more than `reach` apart, a cell is 16 reaches wide. */
-bool ss_mesh_find_twins(const ss_mesh *mesh, const ss_mesh_report *report, int32_t *out_twin)
+bool ss_mesh_find_twins(const ss_mesh *mesh, double reach, const bool *is_used, int32_t *out_twin)
 {
     uint64_t mask = 1;
     while (mask < 2 * (uint64_t)mesh->node_count) {
@@ -114,17 +117,11 @@ bool ss_mesh_find_twins(const ss_mesh *mesh, const ss_mesh_report *report, int32
     memset(head, 0xff, mask * sizeof *head);
     --mask;
 
-    /* Never below the rounding of the coordinates, so that cells can be told apart. */
-    double largest = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        largest = fmax(largest, fmax(fabs(report->box_min[k]), fabs(report->box_max[k])));
-    }
-    const double reach = fmax(fmax(coincidence * report->edge_mean, 1e-15 * largest), 1e-300);
     const double size = 16.0 * reach;
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         const double *x = mesh->position[i];
         out_twin[i] = -1;
-        if (!ss_is_finite(x, 3)) {
+        if (!ss_is_finite(x, 3) || (is_used != NULL && !is_used[i])) {
             continue;
         }
         out_twin[i] = find_twin(mesh, head, next, mask, x, reach, size);
@@ -144,10 +141,11 @@ bool ss_mesh_find_twins(const ss_mesh *mesh, const ss_mesh_report *report, int32
 static bool find_coincident(const ss_mesh *mesh, ss_mesh_report *report)
 {
     int32_t *twin = ss_memory_get((size_t)mesh->node_count, sizeof *twin);
-    const bool is_done = twin != NULL && ss_mesh_find_twins(mesh, report, twin);
+    const double reach = ss_mesh_twin_reach(mesh, report->edge_mean);
+    const bool is_done = twin != NULL && ss_mesh_find_twins(mesh, reach, NULL, twin);
     for (int32_t i = 0; i < mesh->node_count && is_done; ++i) {
         if (twin[i] >= 0) {
-            add_fault(&report->coincident_node, i);
+            ss_mesh_add_fault(&report->coincident_node, i);
         }
     }
     ss_memory_free(twin);
@@ -179,7 +177,7 @@ static void measure_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges, ss_m
     report->edge_mean = count > 0 ? sum / (double)count : 0.0;
     for (int64_t i = 0; i < edges->count; i = ss_mesh_run_end(edges, i)) {
         if (edge_length(mesh, &edges->tuple[i]) < short_edge * report->edge_mean) {
-            add_fault(&report->short_edge, edges->tuple[i].node[0]);
+            ss_mesh_add_fault(&report->short_edge, edges->tuple[i].node[0]);
         }
     }
 }
@@ -203,12 +201,12 @@ static void check_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges, int32_
         const int64_t end = ss_mesh_run_end(edges, i);
         const ss_mesh_tuple *edge = &edges->tuple[i];
         if (end - i == 1) {
-            add_fault(&report->open_edge, edge->node[0]);
+            ss_mesh_add_fault(&report->open_edge, edge->node[0]);
         } else if (end - i > 2) {
-            add_fault(&report->non_manifold_edge, edge->node[0]);
+            ss_mesh_add_fault(&report->non_manifold_edge, edge->node[0]);
         } else if (ss_mesh_edge_is_ascending(mesh, edge[0].id) ==
                    ss_mesh_edge_is_ascending(mesh, edge[1].id)) {
-            add_fault(&report->inconsistent_winding, edge->node[0]);
+            ss_mesh_add_fault(&report->inconsistent_winding, edge->node[0]);
         }
         int32_t first[2];
         edge_corners(mesh, edge->id, first);
@@ -238,7 +236,7 @@ static void check_fans(const ss_mesh *mesh, int32_t *corner_set, int32_t *fans,
     }
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         if (fans[i] > 1) {
-            add_fault(&report->non_manifold_node, i);
+            ss_mesh_add_fault(&report->non_manifold_node, i);
         }
     }
 }
@@ -311,7 +309,7 @@ static void check_faces(const ss_mesh *mesh, ss_mesh_report *report)
     for (int32_t f = 0; f < count; ++f) {
         const int32_t *node = is_quads ? mesh->quad[f] : mesh->triangle[f];
         if (!indices_are_good(mesh, node, is_quads ? 4 : 3)) {
-            add_fault(&report->bad_index, f);
+            ss_mesh_add_fault(&report->bad_index, f);
             continue;
         }
         bool is_flat;
@@ -319,7 +317,7 @@ static void check_faces(const ss_mesh *mesh, ss_mesh_report *report)
             (is_quads ? check_quad : check_triangle)(mesh, f, least, &report->angle_min, &is_flat);
         report->area += isfinite(area) ? area : 0.0;
         if (is_flat) {
-            add_fault(&report->zero_area, f);
+            ss_mesh_add_fault(&report->zero_area, f);
         }
     }
 }
@@ -330,7 +328,7 @@ static void check_duplicates(const ss_mesh_tuples *elements, ss_mesh_fault *faul
     for (int64_t i = 0; i < elements->count;) {
         const int64_t end = ss_mesh_run_end(elements, i);
         for (int64_t k = i + 1; k < end; ++k) {
-            add_fault(fault, elements->tuple[k].id);
+            ss_mesh_add_fault(fault, elements->tuple[k].id);
         }
         i = end;
     }
@@ -345,16 +343,16 @@ static void check_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
     for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
         const int32_t *node = mesh->tetrahedron[e];
         if (!indices_are_good(mesh, node, 4)) {
-            add_fault(&report->bad_index, e);
+            ss_mesh_add_fault(&report->bad_index, e);
             continue;
         }
         const double volume = ss_six_volumes3(mesh->position[node[0]], mesh->position[node[1]],
                                               mesh->position[node[2]], mesh->position[node[3]]) /
                               6.0;
         if (volume < -least) {
-            add_fault(&report->inverted_tetrahedron, e);
+            ss_mesh_add_fault(&report->inverted_tetrahedron, e);
         } else if (volume <= least) {
-            add_fault(&report->flat_tetrahedron, e);
+            ss_mesh_add_fault(&report->flat_tetrahedron, e);
         }
     }
 }
@@ -373,7 +371,7 @@ static bool check_shared_tetrahedra(const ss_mesh *mesh, ss_mesh_report *report)
     for (int64_t i = 0; i < tuples.count;) {
         const int64_t end = ss_mesh_run_end(&tuples, i);
         if (end - i > 2) {
-            add_fault(&report->crowded_face, tuples.tuple[i].node[0]);
+            ss_mesh_add_fault(&report->crowded_face, tuples.tuple[i].node[0]);
         }
         i = end;
     }
@@ -398,7 +396,7 @@ static void check_bent(const ss_mesh *mesh, ss_mesh_report *report)
         int32_t node[SS_TETRAHEDRON_NODES];
         list_ten(mesh, e, node);
         if (!indices_are_good(mesh, node, SS_TETRAHEDRON_NODES)) {
-            add_fault(&report->bad_index, e);
+            ss_mesh_add_fault(&report->bad_index, e);
             continue;
         }
         const double volume = ss_six_volumes3(mesh->position[node[0]], mesh->position[node[1]],
@@ -411,7 +409,7 @@ static void check_bent(const ss_mesh *mesh, ss_mesh_report *report)
                                                         unused) > 0.0);
         }
         if (is_bent && volume > least) {
-            add_fault(&report->bent_tetrahedron, e);
+            ss_mesh_add_fault(&report->bent_tetrahedron, e);
         }
     }
 }
@@ -440,14 +438,14 @@ static void check_sides(const ss_mesh *mesh, const ss_mesh_tuples *sides, int32_
             is_parted = is_parted || (k > i && node != before);
             if (node != before && indices_are_good(mesh, &node, 1)) {
                 if (place[node] != AT_NONE && place[node] != sides->tuple[i].id) {
-                    add_fault(&report->shared_middle, node);
+                    ss_mesh_add_fault(&report->shared_middle, node);
                 }
                 place[node] = place[node] == AT_NONE ? sides->tuple[i].id : place[node];
             }
             before = node;
         }
         if (is_parted) {
-            add_fault(&report->parted_side, sides->tuple[i].node[0]);
+            ss_mesh_add_fault(&report->parted_side, sides->tuple[i].node[0]);
         }
         i = end;
     }
@@ -493,7 +491,7 @@ static bool check_parts(const ss_mesh *mesh, const ss_mesh_tuples *edges, ss_mes
         report->component_count = count;
         for (int32_t i = 0; i < mesh->node_count; ++i) {
             if (part[i] < 0) {
-                add_fault(&report->loose_node, i);
+                ss_mesh_add_fault(&report->loose_node, i);
             }
         }
         /* Cavities of a volume are shells of their own: parts of the surface alone. */
@@ -543,7 +541,7 @@ static bool measure_mean_edge(const ss_mesh *mesh, const ss_mesh_tuples *edges,
     for (int64_t i = 0; i < own.count && mesh->quad_count > 0;) {
         const int64_t end = ss_mesh_run_end(&own, i);
         if (end - i == 2 && ((own.tuple[i].id ^ own.tuple[i + 1].id) & 1) != 0) {
-            add_fault(&report->mixed_direction, own.tuple[i].node[0]);
+            ss_mesh_add_fault(&report->mixed_direction, own.tuple[i].node[0]);
         }
         i = end;
     }

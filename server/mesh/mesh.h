@@ -172,6 +172,13 @@ typedef struct ss_mesh_fault {
     int64_t count;
     int32_t first[SS_MESH_FIRST];
 } ss_mesh_fault;
+static inline void ss_mesh_add_fault(ss_mesh_fault *fault, int32_t number)
+{
+    if (fault->count < SS_MESH_FIRST) {
+        fault->first[fault->count] = number;
+    }
+    ++fault->count;
+}
 
 typedef struct ss_mesh_report {
     ss_mesh_fault non_finite, bad_index, zero_area, duplicate_triangle, loose_node, coincident_node,
@@ -228,25 +235,48 @@ void ss_mesh_measure_quality(const ss_mesh *mesh, ss_mesh_quality *out);
 /* The loops of open edges: count and lowest node of each. False when out of memory. */
 bool ss_mesh_find_holes(const ss_mesh *mesh, ss_mesh_fault *out_hole);
 
+/* Of each triangle: has it an edge of its own? False when out of memory. */
+bool ss_mesh_mark_open(const ss_mesh *mesh, bool *out_is_open);
+
 /* Triangles of the surface that cross or overlap another; that they touch does not count. Looks at
  * a bounded number of pairs: out_is_complete is false when there were more. False when out of
  * memory. */
 bool ss_mesh_find_crossings(const ss_mesh *mesh, ss_mesh_fault *out_triangle,
                             bool *out_is_complete);
+/* The same of each triangle. */
+bool ss_mesh_mark_crossings(const ss_mesh *mesh, bool *out_is_crossing, bool *out_is_complete);
 
-/* What ss_mesh_repair did, by count. */
+/* What ss_mesh_repair did: counts, and the first numbers, of the nodes and elements as given. */
 typedef struct ss_mesh_repairs {
-    int32_t welded_nodes;  /* onto the lowest node within 1e-6 of the mean edge */
-    int32_t flat_elements; /* dropped: no area or volume, or a node twice */
-    int32_t twin_elements; /* dropped: there already */
-    int32_t bad_elements;  /* dropped: of nodes that do not exist or are not finite */
-    int32_t loose_nodes;   /* dropped */
-    int32_t turned_tetrahedra, turned_triangles;
+    ss_mesh_fault bad_element;      /* dropped: of nodes that do not exist or are not finite */
+    ss_mesh_fault cut_quad;         /* into triangles, for a surface of quads could not be mended */
+    ss_mesh_fault welded_node;      /* onto the lowest node within 1e-6 of the mean edge, at open
+                                       edges 1e-3 of it; and the ends of edges shorter than that */
+    ss_mesh_fault flat_element;     /* dropped: no area or volume, or a node twice */
+    ss_mesh_fault twin_element;     /* dropped: there already */
+    ss_mesh_fault divided_triangle; /* at a node on its edge */
+    ss_mesh_fault flap_triangle;    /* dropped: of walls within a body, and of flaps outside */
+    ss_mesh_fault parted_edge;      /* of more than two triangles: into sheets, by angle */
+    ss_mesh_fault cut_edge;         /* of one-sided (Moebius) surfaces */
+    ss_mesh_fault parted_node;      /* where sheets touched */
+    ss_mesh_fault sliver_part;      /* dropped: without a volume, or of nearly no area */
+    ss_mesh_fault filled_hole;
+    ss_mesh_fault loose_node; /* dropped */
+    ss_mesh_fault turned_tetrahedron, turned_triangle;
 } ss_mesh_repairs;
-/* A mended copy: what is kept stays in order, groups go along. Holes, crossings and non-manifold
- * edges stay. Fails where nothing would be left. */
+/* The kinds that have a count above 0, as they are told; returns how many. They point into
+ * `repairs`. is_harmless: numbers of nodes and elements stay. */
+int32_t ss_mesh_list_repairs(const ss_mesh_repairs *repairs, bool is_volume,
+                             ss_mesh_finding out[SS_MESH_MAX_FINDINGS]);
+/* A mended copy (repair.c): what is kept stays in order, what is new comes after it, groups go
+ * along. A surface of triangles then has no fault but crossings and holes that are not small. Fails
+ * where nothing would be left, and (SOFTSIM_ERROR_MESH) where tetrahedra overlap, which only
+ * filling the surface again mends. */
 softsim_status ss_mesh_repair(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_repairs *out_repairs,
                               softsim_error *error);
+/* Tetrahedra on the same side of a face that they share as their neighbour there, or of a face of
+ * more than two. False when out of memory. */
+bool ss_mesh_mark_overlaps(const ss_mesh *mesh, bool *out_is_overlapping);
 
 /* A volume with nodes in the straight middle of its sides, which is of second order then: numbered
  * after its own, by the lower node of each side, then the higher. In a group are those whose side's
@@ -312,3 +342,11 @@ softsim_status ss_mesh_grow_skin(const ss_mesh *volume, double thickness, ss_mes
 softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_error *error);
 softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_error *error);
 softsim_status ss_mesh_write_vtk(const ss_mesh *mesh, const char *path, softsim_error *error);
+/* Some of its triangles (3 corners) and tetrahedra (4), to be looked at: legacy VTK with a number
+ * for each as the array `name`. */
+typedef struct ss_mesh_cell {
+    const int32_t *node;
+    int corners, value;
+} ss_mesh_cell;
+softsim_status ss_mesh_write_cells(const ss_mesh *mesh, const ss_mesh_cell *cell, int32_t count,
+                                   const char *name, const char *path, softsim_error *error);

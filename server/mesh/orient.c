@@ -2,7 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * Winding. A flood over shared edges gives every triangle of a part the sense of its first one;
- * then closed parts that enclose a negative volume, and are no cavity, are turned whole. An open
+ * then closed parts that enclose a negative volume, and are no cavity, are turned whole, and with
+ * each the closed parts within its box, so that cavities stay such and bodies too. An open
  * part keeps the sense that most of its triangles had. Edges of more than two triangles join
  * nothing: no sense is right there. A one-sided (Moebius) part keeps a seam, which ss_mesh_check
  * names. Quads are turned whole: their halves are neighbours across the diagonal, whatever else
@@ -23,14 +24,14 @@ typedef struct orienter {
     uint8_t *is_turned;
     int32_t *part;
     ss_mesh_part *parts;
-    bool *is_inside_out;
+    bool *is_inside_out, *is_taken;
 } orienter;
 
 static void orienter_fini(orienter *o)
 {
     ss_mesh_tuples_fini(&o->edges);
     SS_EACH(ss_memory_free, o->neighbour, o->queue, o->patch, o->is_turned, o->part, o->parts,
-            o->is_inside_out);
+            o->is_inside_out, o->is_taken);
 }
 
 static bool orienter_init(orienter *o, const ss_mesh *mesh)
@@ -108,6 +109,22 @@ static void turn(ss_mesh *mesh, int32_t t)
     node[2] = second;
 }
 
+/* Closed parts within one that is inside out are turned with it. */
+static void take_along(orienter *o, int32_t count)
+{
+    for (int32_t p = 0; p < count && count <= SS_MESH_MAX_PARTS; ++p) {
+        bool is_within = false;
+        for (int32_t i = 0; i < count && !o->parts[p].is_open && !o->is_inside_out[p]; ++i) {
+            is_within = is_within ||
+                        (o->is_inside_out[i] && ss_mesh_part_is_within(&o->parts[p], &o->parts[i]));
+        }
+        o->is_taken[p] = is_within;
+    }
+    for (int32_t p = 0; p < count; ++p) {
+        o->is_inside_out[p] = o->is_inside_out[p] || o->is_taken[p];
+    }
+}
+
 /* Turns the closed parts that are inside out; updates is_turned. */
 static bool turn_parts(orienter *o, ss_mesh *mesh)
 {
@@ -117,10 +134,12 @@ static bool turn_parts(orienter *o, ss_mesh *mesh)
     }
     o->parts = ss_memory_get((size_t)count, sizeof *o->parts);
     o->is_inside_out = ss_memory_get((size_t)count, sizeof *o->is_inside_out);
-    if (o->parts == NULL || o->is_inside_out == NULL) {
+    o->is_taken = ss_memory_get((size_t)count, sizeof *o->is_taken);
+    if (o->parts == NULL || o->is_inside_out == NULL || o->is_taken == NULL) {
         return false;
     }
     if (ss_mesh_measure_parts(mesh, o->part, count, &o->edges, o->parts, o->is_inside_out)) {
+        take_along(o, count);
         for (int32_t t = 0; t < mesh->triangle_count; ++t) {
             const int32_t *node = mesh->triangle[t];
             if (ss_mesh_has_good_nodes(mesh, node, 3) && o->is_inside_out[o->part[node[0]]]) {

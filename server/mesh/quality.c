@@ -14,17 +14,11 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
+#include <string.h>
+
 static const double degrees = 180.0 / SS_PI;
 static const double sharp_angle = 10.0; /* degrees */
 static const double longest_shape = 20.0;
-
-static void add_fault(ss_mesh_fault *fault, int32_t number)
-{
-    if (fault->count < SS_MESH_FIRST) {
-        fault->first[fault->count] = number;
-    }
-    ++fault->count;
-}
 
 typedef struct shape {
     double least, largest; /* angles, degrees */
@@ -114,7 +108,7 @@ void ss_mesh_measure_quality(const ss_mesh *mesh, ss_mesh_quality *out)
             out->dihedral_max = fmax(out->dihedral_max, s.largest);
         }
         if (s.least < sharp_angle || s.largest > 180.0 - sharp_angle || s.length > longest_shape) {
-            add_fault(&out->sliver, e);
+            ss_mesh_add_fault(&out->sliver, e);
         }
     }
 }
@@ -141,7 +135,7 @@ bool ss_mesh_find_holes(const ss_mesh *mesh, ss_mesh_fault *out_hole)
         }
         for (int32_t i = 0; i < mesh->node_count; ++i) {
             if (is_open[i] && ss_mesh_union_find(loop, i) == i) {
-                add_fault(out_hole, i);
+                ss_mesh_add_fault(out_hole, i);
             }
         }
         ss_mesh_tuples_fini(&edges);
@@ -149,4 +143,22 @@ bool ss_mesh_find_holes(const ss_mesh *mesh, ss_mesh_fault *out_hole)
     ss_memory_free(loop);
     ss_memory_free(is_open);
     return is_good;
+}
+
+bool ss_mesh_mark_open(const ss_mesh *mesh, bool *out_is_open)
+{
+    ss_mesh_tuples edges = {0};
+    memset(out_is_open, 0, (size_t)mesh->triangle_count * sizeof *out_is_open);
+    if (!ss_mesh_list_triangle_edges(mesh, &edges)) {
+        return false;
+    }
+    for (int64_t i = 0; i < edges.count;) {
+        const int64_t end = ss_mesh_run_end(&edges, i);
+        if (end - i == 1) {
+            out_is_open[edges.tuple[i].id / 3] = true;
+        }
+        i = end;
+    }
+    ss_mesh_tuples_fini(&edges);
+    return true;
 }

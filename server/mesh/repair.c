@@ -1,29 +1,36 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Mending what can be mended without a guess, in this order: elements of nodes that do not exist
- * or are not finite go; nodes on top of others are welded; elements that are then flat or there
- * already go; inverted tetrahedra are turned; nodes without an element go; surfaces are wound
- * outwards (orient.c). Tolerances are those of ss_mesh_check.
+ * Mending. Volumes and surfaces of quads, in this order: elements of nodes that do not exist or are
+ * not finite go; nodes on top of others, and the ends of edges too short for any model, are welded;
+ * elements that are then flat or there already go; inverted tetrahedra are turned; nodes without an
+ * element go; surfaces are wound outwards (orient.c). Tolerances are those of ss_mesh_check. A
+ * tetrahedron that is then on the same side of a face as its neighbour overlaps it: a node was
+ * moved through others, which no order of nodes mends.
  *
- * Holes, crossings and edges of three triangles stay: what fills or parts them is for the owner of
- * the mesh to say. Of a quad whose corners are welded nothing is kept, for a surface of quads has
- * no triangles.
+ * Surfaces of triangles, and of quads that a scene would refuse after that: seams (stitch.c), then
+ * sheets (sheets.c), slivers of parts and holes (holes.c), round and round until a round changes
+ * nothing. So repairing what was repaired changes nothing either. Every step is a function of
+ * the mesh alone.
  */
-#include "mesh/mesh.h"
+#include "mesh/mend.h"
 #include "mesh/topology.h"
 #include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
+#include <stddef.h>
 #include <string.h>
+
+enum { CORNERS = 4 }; /* of tetrahedra and quads */
 
 typedef struct mender {
     const ss_mesh *mesh;  /* as given */
     ss_mesh work;         /* welded and turned: borrows positions and groups */
-    int32_t *element;     /* of work: `corners` nodes each */
+    int32_t *element;     /* of work: CORNERS nodes each */
     int32_t (*middle)[6]; /* of second order: theirs */
-    int32_t count, corners;
+    int32_t *origin;      /* the element's number as given */
+    int32_t count;
     int32_t *number; /* new number of a node, -1: goes */
     double (*position)[3];
     ss_mesh_repairs *done;
@@ -41,19 +48,17 @@ static bool is_finite_element(const ss_mesh *mesh, const int32_t *node, int corn
     return true;
 }
 
-/* Twice the area of a triangle; of a quad that of its flatter half, cut along either diagonal where
- * that is better. */
-static double double_area(const ss_mesh *mesh, const int32_t *node, int corners)
+/* Twice the area of a quad's flatter half, cut along either diagonal where that is better. */
+static double double_area(const ss_mesh *mesh, const int32_t *node)
 {
     double area[4];
-    for (int c = 0; c < corners; ++c) {
+    for (int c = 0; c < 4; ++c) {
         double across[3];
-        const double *x = mesh->position[node[c]];
-        ss_normal3(across, x, mesh->position[node[(c + 1) % corners]],
-                   mesh->position[node[(c + corners - 1) % corners]]);
+        ss_normal3(across, mesh->position[node[c]], mesh->position[node[(c + 1) % 4]],
+                   mesh->position[node[(c + 3) % 4]]);
         area[c] = ss_norm3(across);
     }
-    return corners == 3 ? area[0] : fmax(fmin(area[1], area[3]), fmin(area[0], area[2]));
+    return fmax(fmin(area[1], area[3]), fmin(area[0], area[2]));
 }
 
 static double volume_of(const ss_mesh *mesh, const int32_t *node)
@@ -63,17 +68,19 @@ static double volume_of(const ss_mesh *mesh, const int32_t *node)
            6.0;
 }
 
-/* Welds, drops and turns one element; true when it stays. `middle`: of second order, else NULL. */
-static bool mend_element(mender *m, int32_t *node, int32_t *middle)
+/* Welds, drops and turns element e; true when it stays. */
+static bool mend_element(mender *m, int32_t e)
 {
+    int32_t *node = m->element + (int64_t)CORNERS * e;
+    int32_t *middle = m->middle != NULL ? m->middle[e] : NULL;
     const bool is_volume = m->mesh->tetrahedron_count > 0;
     const double h = m->mean_edge;
-    if (!is_finite_element(m->mesh, node, m->corners) ||
+    if (!is_finite_element(m->mesh, node, CORNERS) ||
         (middle != NULL && !is_finite_element(m->mesh, middle, 6))) {
-        ++m->done->bad_elements;
+        ss_mesh_add_fault(&m->done->bad_element, e);
         return false;
     }
-    for (int k = 0; k < m->corners; ++k) {
+    for (int k = 0; k < CORNERS; ++k) {
         node[k] = m->number[node[k]];
     }
     for (int s = 0; middle != NULL && s < 6; ++s) {
@@ -81,11 +88,11 @@ static bool mend_element(mender *m, int32_t *node, int32_t *middle)
     }
     const double volume = is_volume ? volume_of(m->mesh, node) : 0.0;
     const bool is_flat =
-        !ss_mesh_has_good_nodes(m->mesh, node, m->corners) ||
+        !ss_mesh_has_good_nodes(m->mesh, node, CORNERS) ||
         (is_volume ? fabs(volume) <= SS_MESH_FLAT_VOLUME * h * h * h
-                   : 0.5 * double_area(m->mesh, node, m->corners) <= SS_MESH_FLAT_AREA * h * h);
+                   : 0.5 * double_area(m->mesh, node) <= SS_MESH_FLAT_AREA * h * h);
     if (is_flat) {
-        ++m->done->flat_elements;
+        ss_mesh_add_fault(&m->done->flat_element, e);
         return false;
     }
     if (volume < 0.0) {
@@ -97,7 +104,7 @@ static bool mend_element(mender *m, int32_t *node, int32_t *middle)
                                        middle[3], middle[5], middle[4]};
             memcpy(middle, turned, sizeof turned);
         }
-        ++m->done->turned_tetrahedra;
+        ss_mesh_add_fault(&m->done->turned_tetrahedron, e);
     }
     return true;
 }
@@ -105,20 +112,19 @@ static bool mend_element(mender *m, int32_t *node, int32_t *middle)
 /* Element e becomes the next of those that are kept. */
 static void keep(mender *m, int32_t e, int32_t *inout_kept)
 {
-    memmove(m->element + (int64_t)m->corners * *inout_kept, m->element + (int64_t)m->corners * e,
-            (size_t)m->corners * sizeof *m->element);
+    memmove(m->element + (int64_t)CORNERS * *inout_kept, m->element + (int64_t)CORNERS * e,
+            (size_t)CORNERS * sizeof *m->element);
     if (m->middle != NULL) {
         memmove(m->middle[*inout_kept], m->middle[e], sizeof *m->middle);
     }
-    ++*inout_kept;
+    m->origin[(*inout_kept)++] = m->origin[e];
 }
 
 static void mend_elements(mender *m)
 {
     int32_t kept = 0;
     for (int32_t e = 0; e < m->count; ++e) {
-        if (mend_element(m, m->element + (int64_t)m->corners * e,
-                         m->middle != NULL ? m->middle[e] : NULL)) {
+        if (mend_element(m, e)) {
             keep(m, e, &kept);
         }
     }
@@ -132,12 +138,9 @@ static void refer(mender *m)
     if (m->mesh->tetrahedron_count > 0) {
         m->work.tetrahedron_count = m->count;
         m->work.tetrahedron = (void *)m->element;
-    } else if (m->mesh->quad_count > 0) {
+    } else {
         m->work.quad_count = m->count;
         m->work.quad = (void *)m->element;
-    } else {
-        m->work.triangle_count = m->count;
-        m->work.triangle = (void *)m->element;
     }
 }
 
@@ -147,23 +150,22 @@ static bool drop_twins(mender *m)
     ss_mesh_tuples tuples = {0};
     const bool is_listed = m->mesh->tetrahedron_count > 0
                                ? ss_mesh_list_tetrahedra(&m->work, &tuples)
-                           : m->mesh->quad_count > 0 ? ss_mesh_list_quads(&m->work, &tuples)
-                                                     : ss_mesh_list_triangles(&m->work, &tuples);
+                               : ss_mesh_list_quads(&m->work, &tuples);
     if (!is_listed) {
         return false;
     }
     for (int64_t i = 0; i < tuples.count;) {
         const int64_t end = ss_mesh_run_end(&tuples, i);
         for (int64_t k = i + 1; k < end; ++k) {
-            m->element[(int64_t)m->corners * tuples.tuple[k].id] = -1;
-            ++m->done->twin_elements;
+            m->element[(int64_t)CORNERS * tuples.tuple[k].id] = -1;
+            ss_mesh_add_fault(&m->done->twin_element, m->origin[tuples.tuple[k].id]);
         }
         i = end;
     }
     ss_mesh_tuples_fini(&tuples);
     int32_t kept = 0;
     for (int32_t e = 0; e < m->count; ++e) {
-        if (m->element[(int64_t)m->corners * e] >= 0) {
+        if (m->element[(int64_t)CORNERS * e] >= 0) {
             keep(m, e, &kept);
         }
     }
@@ -178,7 +180,7 @@ static int32_t number_nodes(mender *m, const int32_t *twin)
     memset(m->number, 0xff, (size_t)nodes * sizeof *m->number);
     int32_t *middle = (int32_t *)m->middle;
     const int64_t middles = middle != NULL ? 6 * (int64_t)m->count : 0;
-    for (int64_t i = 0; i < (int64_t)m->corners * m->count; ++i) {
+    for (int64_t i = 0; i < (int64_t)CORNERS * m->count; ++i) {
         m->number[m->element[i]] = 0;
     }
     for (int64_t i = 0; i < middles; ++i) {
@@ -191,12 +193,12 @@ static int32_t number_nodes(mender *m, const int32_t *twin)
             m->number[i] = count++;
         } else if (twin[i] >= 0) {
             m->number[i] = m->number[twin[i]]; /* lower, so settled */
-            ++m->done->welded_nodes;
+            ss_mesh_add_fault(&m->done->welded_node, i);
         } else {
-            ++m->done->loose_nodes;
+            ss_mesh_add_fault(&m->done->loose_node, i);
         }
     }
-    for (int64_t i = 0; i < (int64_t)m->corners * m->count; ++i) {
+    for (int64_t i = 0; i < (int64_t)CORNERS * m->count; ++i) {
         m->element[i] = m->number[m->element[i]];
     }
     for (int64_t i = 0; i < middles; ++i) {
@@ -255,9 +257,58 @@ static softsim_status create(mender *m, int32_t nodes, ss_mesh **out, softsim_er
     if (m->middle != NULL && m->count > 0) {
         return create_second_order(m, nodes, out, error);
     }
-    const bool is_volume = m->mesh->tetrahedron_count > 0;
-    return ss_mesh_create(nodes, x, is_volume ? 0 : m->count, (const int32_t(*)[3])m->element,
-                          is_volume ? m->count : 0, (const int32_t(*)[4])m->element, out, error);
+    return ss_mesh_create(nodes, x, 0, NULL, m->count, (const int32_t(*)[4])m->element, out, error);
+}
+
+/* The node that each is welded to, -1: none. Edges of second order have nodes in their middle. */
+static bool find_welds(const ss_mesh *mesh, double mean_edge, int32_t *twin)
+{
+    const double reach = ss_mesh_twin_reach(mesh, mean_edge);
+    int32_t *parent = ss_memory_get((size_t)mesh->node_count, sizeof *parent);
+    const bool is_good = parent != NULL && ss_mesh_find_twins(mesh, reach, NULL, twin);
+    if (is_good) {
+        ss_mesh_union_init(parent, mesh->node_count);
+    }
+    for (int32_t i = 0; i < mesh->node_count && is_good; ++i) {
+        ss_mesh_union_join(parent, i, twin[i] >= 0 ? twin[i] : i);
+    }
+    for (int32_t e = 0; e < mesh->tetrahedron_count && is_good && mesh->middle == NULL; ++e) {
+        const int32_t *node = mesh->tetrahedron[e];
+        for (int k = 0; k < 6 && is_finite_element(mesh, node, 4); ++k) {
+            const int32_t a = node[k < 3   ? 0
+                                   : k < 5 ? 1
+                                           : 2],
+                          b = node[k < 3   ? k + 1
+                                   : k < 5 ? k - 1
+                                           : 3];
+            double d[3];
+            ss_sub3(d, mesh->position[a], mesh->position[b]);
+            if (ss_norm3(d) < SS_MEND_REACH * mean_edge) {
+                ss_mesh_union_join(parent, a, b);
+            }
+        }
+    }
+    for (int32_t i = 0; i < mesh->node_count && is_good; ++i) {
+        const int32_t to = ss_mesh_union_find(parent, i);
+        twin[i] = to != i ? to : -1;
+    }
+    ss_memory_free(parent);
+    return is_good;
+}
+
+/* Quads that run the other way round than they were given. */
+static void count_turned(const mender *m, const ss_mesh *mesh)
+{
+    for (int32_t q = 0; q < mesh->quad_count; ++q) {
+        const int32_t *now = mesh->quad[q], *before = m->element + CORNERS * (int64_t)q;
+        int at = 0;
+        while (at < 3 && now[at] != before[0]) {
+            ++at;
+        }
+        if (now[(at + 1) % 4] != before[1]) {
+            ss_mesh_add_fault(&m->done->turned_triangle, m->origin[q]);
+        }
+    }
 }
 
 static softsim_status mend(mender *m, const int32_t *twin, ss_mesh **out, softsim_error *error)
@@ -272,50 +323,194 @@ static softsim_status mend(mender *m, const int32_t *twin, ss_mesh **out, softsi
     const int32_t nodes = number_nodes(m, twin);
     const softsim_status status = create(m, nodes, out, error);
     if (status == SOFTSIM_OK) {
-        m->done->turned_triangles = ss_mesh_orient(*out);
-        if (m->done->turned_triangles < 0 || !copy_groups(m, *out)) {
+        const int32_t turned = ss_mesh_orient(*out);
+        if (turned < 0 || !copy_groups(m, *out)) {
             ss_mesh_destroy(out);
             return SOFTSIM_ERROR_MEMORY;
         }
+        count_turned(m, *out);
     }
     return status;
 }
+
+static softsim_status mend_elements_of(const ss_mesh *mesh, ss_mesh **out, ss_mesh_repairs *done,
+                                       softsim_error *error)
+{
+    ss_mesh_report report;
+    const void *from =
+        mesh->tetrahedron_count > 0 ? (const void *)mesh->tetrahedron : (const void *)mesh->quad;
+    mender m = {.mesh = mesh, .count = ss_mesh_element_count(mesh), .done = done};
+    const size_t nodes = (size_t)mesh->node_count, count = (size_t)m.count;
+    int32_t *twin = ss_memory_get(nodes, sizeof *twin);
+    m.number = ss_memory_get(nodes, sizeof *m.number);
+    m.position = ss_memory_get(nodes, sizeof *m.position);
+    m.element = ss_memory_get(count, CORNERS * sizeof *m.element);
+    m.origin = ss_memory_get(count, sizeof *m.origin);
+    m.middle = mesh->middle != NULL ? ss_memory_get(count, sizeof *m.middle) : NULL;
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if ((m.middle != NULL || mesh->middle == NULL) && twin != NULL && m.number != NULL &&
+        m.position != NULL && m.element != NULL && m.origin != NULL &&
+        ss_mesh_check(mesh, &report) == SOFTSIM_OK && find_welds(mesh, report.edge_mean, twin)) {
+        m.mean_edge = report.edge_mean;
+        memcpy(m.element, from, count * CORNERS * sizeof *m.element);
+        for (int32_t e = 0; e < m.count; ++e) {
+            m.origin[e] = e;
+        }
+        if (m.middle != NULL) {
+            memcpy(m.middle, mesh->middle, count * sizeof *m.middle);
+        }
+        status = mend(&m, twin, out, error);
+    }
+    SS_EACH(ss_memory_free, twin, m.number, m.position, m.element, m.origin, m.middle);
+    return status;
+}
+
+/* ---- elements that overlap ---- */
+
+static double height_sign(const ss_mesh *mesh, const int32_t *face, int32_t node, double least)
+{
+    const double volume = ss_six_volumes3(mesh->position[face[0]], mesh->position[face[1]],
+                                          mesh->position[face[2]], mesh->position[node]) /
+                          6.0;
+    return volume > least ? 1.0 : volume < -least ? -1.0 : 0.0;
+}
+
+bool ss_mesh_mark_overlaps(const ss_mesh *mesh, bool *out_is_overlapping)
+{
+    ss_mesh_tuples faces = {0};
+    ss_mesh_report report;
+    memset(out_is_overlapping, 0, (size_t)mesh->tetrahedron_count * sizeof *out_is_overlapping);
+    if (ss_mesh_check(mesh, &report) != SOFTSIM_OK ||
+        !ss_mesh_list_tetrahedron_faces(mesh, &faces)) {
+        return false;
+    }
+    const double h = report.edge_mean;
+    for (int64_t i = 0; i < faces.count;) {
+        const int64_t end = ss_mesh_run_end(&faces, i);
+        bool is_bad = end - i > 2;
+        if (end - i == 2) {
+            double sign[2];
+            for (int k = 0; k < 2; ++k) {
+                const int32_t id = faces.tuple[i + k].id;
+                sign[k] = height_sign(mesh, faces.tuple[i].node, mesh->tetrahedron[id / 4][id % 4],
+                                      SS_MESH_FLAT_VOLUME * h * h * h);
+            }
+            is_bad = sign[0] * sign[1] > 0.0;
+        }
+        for (int64_t k = i; k < end && is_bad; ++k) {
+            out_is_overlapping[faces.tuple[k].id / 4] = true;
+        }
+        i = end;
+    }
+    ss_mesh_tuples_fini(&faces);
+    return true;
+}
+
+static softsim_status refuse_overlaps(const ss_mesh *mesh, softsim_error *error)
+{
+    bool *is_overlapping = ss_memory_get((size_t)mesh->tetrahedron_count, sizeof *is_overlapping);
+    if (is_overlapping == NULL || !ss_mesh_mark_overlaps(mesh, is_overlapping)) {
+        ss_memory_free(is_overlapping);
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    ss_mesh_fault overlap = {0};
+    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
+        if (is_overlapping[e]) {
+            ss_mesh_add_fault(&overlap, e);
+        }
+    }
+    ss_memory_free(is_overlapping);
+    if (overlap.count == 0) {
+        return SOFTSIM_OK;
+    }
+    const double *x = mesh->position[mesh->tetrahedron[overlap.first[0]][0]];
+    softsim_error_add(
+        error, SOFTSIM_ERROR_MESH,
+        "%lld tetrahedra overlap their neighbours (the first is %d, at %.6g %.6g %.6g "
+        "m), where nodes were moved through others: fill its surface again: "
+        "softsim-mesh convert IN surface.obj; softsim-mesh convert --repair "
+        "surface.obj mended.obj; softsim-mesh tetrahedralize mended.obj OUT.msh "
+        "--edge-mm N",
+        (long long)overlap.count, overlap.first[0], x[0], x[1], x[2]);
+    return SOFTSIM_ERROR_MESH;
+}
+
+/* ---- all of it ---- */
 
 softsim_status ss_mesh_repair(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_repairs *out_repairs,
                               softsim_error *error)
 {
     *out_mesh = NULL;
     *out_repairs = (ss_mesh_repairs){0};
-    ss_mesh_report report;
-    const bool is_volume = mesh->tetrahedron_count > 0;
-    const void *from = is_volume              ? (const void *)mesh->tetrahedron
-                       : mesh->quad_count > 0 ? (const void *)mesh->quad
-                                              : (const void *)mesh->triangle;
-    mender m = {.mesh = mesh,
-                .count = ss_mesh_element_count(mesh),
-                .corners = is_volume || mesh->quad_count > 0 ? 4 : 3,
-                .done = out_repairs};
-    const size_t nodes = (size_t)mesh->node_count;
-    const size_t size = (size_t)m.count * (size_t)m.corners;
-    int32_t *twin = ss_memory_get(nodes, sizeof *twin);
-    m.number = ss_memory_get(nodes, sizeof *m.number);
-    m.position = ss_memory_get(nodes, sizeof *m.position);
-    m.element = ss_memory_get(size, sizeof *m.element);
-    m.middle = mesh->middle != NULL ? ss_memory_get((size_t)m.count, sizeof *m.middle) : NULL;
     softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if ((m.middle != NULL || mesh->middle == NULL) && twin != NULL && m.number != NULL &&
-        m.position != NULL && m.element != NULL && ss_mesh_check(mesh, &report) == SOFTSIM_OK &&
-        ss_mesh_find_twins(mesh, &report, twin)) {
-        m.mean_edge = report.edge_mean;
-        memcpy(m.element, from, size * sizeof *m.element);
-        if (m.middle != NULL) {
-            memcpy(m.middle, mesh->middle, (size_t)m.count * sizeof *m.middle);
+    if (mesh->tetrahedron_count > 0 || mesh->quad_count > 0) {
+        status = mend_elements_of(mesh, out_mesh, out_repairs, error);
+    } else {
+        status = ss_mend_surface(mesh, out_mesh, out_repairs, error);
+    }
+    if (status == SOFTSIM_OK && mesh->tetrahedron_count > 0) {
+        status = refuse_overlaps(*out_mesh, error);
+    }
+    if (status == SOFTSIM_OK && mesh->quad_count > 0 &&
+        ss_mesh_accept(*out_mesh, "", NULL) == SOFTSIM_ERROR_MESH) {
+        ss_mesh_destroy(out_mesh);
+        *out_repairs = (ss_mesh_repairs){0};
+        for (int32_t q = 0; q < mesh->quad_count; ++q) {
+            ss_mesh_add_fault(&out_repairs->cut_quad, q);
         }
-        status = mend(&m, twin, out_mesh, error);
+        status = ss_mend_surface(mesh, out_mesh, out_repairs, error);
+    }
+    if (status != SOFTSIM_OK) {
+        ss_mesh_destroy(out_mesh);
     }
     if (status == SOFTSIM_ERROR_MEMORY) {
         softsim_error_add(error, status, "out of memory while mending %d nodes", mesh->node_count);
     }
-    SS_EACH(ss_memory_free, twin, m.number, m.position, m.element, m.middle);
     return status;
+}
+
+/* ---- what is told ---- */
+
+int32_t ss_mesh_list_repairs(const ss_mesh_repairs *repairs, bool is_volume,
+                             ss_mesh_finding out[SS_MESH_MAX_FINDINGS])
+{
+#define ROW(name) offsetof(ss_mesh_repairs, name), #name
+    static const struct {
+        size_t field;
+        const char *key, *what, *where; /* NULL: of elements */
+        bool keeps_numbers;
+    } rows[] = {
+        {ROW(bad_element), "elements of bad nodes dropped", NULL, false},
+        {ROW(cut_quad), "quads cut into triangles", "quad", false},
+        {ROW(welded_node), "nodes welded to others", "node", false},
+        {ROW(flat_element), "flat elements dropped", NULL, false},
+        {ROW(twin_element), "double elements dropped", NULL, false},
+        {ROW(divided_triangle), "triangles divided at nodes on their edges", "triangle", false},
+        {ROW(flap_triangle), "triangles of inner walls and flaps dropped", "triangle", false},
+        {ROW(parted_edge), "edges of more than two triangles parted into sheets", "at node", false},
+        {ROW(cut_edge), "edges of one-sided surfaces cut", "at node", false},
+        {ROW(parted_node), "nodes parted where sheets touched", "node", false},
+        {ROW(sliver_part), "parts without a volume dropped, or too small to be one", "triangle",
+         false},
+        {ROW(filled_hole), "holes filled", "at node", false},
+        {ROW(loose_node), "loose nodes dropped", "node", false},
+        {ROW(turned_tetrahedron), "tetrahedra turned", "tetrahedron", true},
+        {ROW(turned_triangle), "triangles turned", NULL, true},
+    };
+#undef ROW
+    _Static_assert(sizeof rows / sizeof *rows <= SS_MESH_MAX_FINDINGS, "room for every row");
+    int32_t count = 0;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        const ss_mesh_fault *fault = (const void *)((const char *)repairs + rows[i].field);
+        if (fault->count > 0) {
+            out[count++] = (ss_mesh_finding){.key = rows[i].key,
+                                             .fault = fault,
+                                             .what = rows[i].what,
+                                             .where = rows[i].where != NULL ? rows[i].where
+                                                      : is_volume           ? "tetrahedron"
+                                                                            : "face",
+                                             .is_harmless = rows[i].keeps_numbers};
+        }
+    }
+    return count;
 }

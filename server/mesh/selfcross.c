@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Triangles of the surface that cross. A tree of boxes over the triangles, sorted along a Morton
- * curve, gives the pairs whose boxes overlap. With the orientation o(a, b, c, d) = sign of
+ * Triangles of the surface that cross. A tree of boxes over the triangles (tree.h) gives the pairs
+ * whose boxes overlap. With the orientation o(a, b, c, d) = sign of
  * (a - d) . (b - d) x (c - d), an edge (p, q) crosses a triangle (a, b, c) when p and q lie
  * strictly on opposite sides of its plane and o(p, q, a, b), o(p, q, b, c), o(p, q, c, a) are not
  * of both signs. Triangles in one plane overlap when no edge of either parts them. Those that share
@@ -15,14 +15,11 @@
  * rejected: it takes near misses for hits or the other way round.
  */
 #include "mesh/mesh.h"
-#include "mesh/topology.h"
-#include "rt/each.h"
+#include "mesh/tree.h"
 #include "rt/memory.h"
-#include "rt/order.h"
 #include "rt/vec.h"
 
 #include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Boxes visited; a closed surface needs about a hundred a triangle. */
@@ -136,7 +133,7 @@ static bool overlap_in_plane(const corners *a, const corners *b)
     return !is_parted(a, b, above) && !is_parted(b, a, above);
 }
 
-static bool cross(const ss_mesh *mesh, int32_t s, int32_t t)
+bool ss_mesh_triangles_cross(const ss_mesh *mesh, int32_t s, int32_t t)
 {
     corners a;
     corners b;
@@ -173,166 +170,55 @@ static bool cross(const ss_mesh *mesh, int32_t s, int32_t t)
     return false;
 }
 
-/* ---- the tree ---- */
+/* ---- all pairs ---- */
 
-typedef struct box {
-    double low[3], high[3];
-} box;
-
-typedef struct place {
-    uint64_t code;
-    int32_t triangle;
-} place;
-
-/* A heap over the sorted triangles, padded to a power of two: leaf i is node leaf_count + i. */
-typedef struct tree {
-    place *place;
-    box *box;
+typedef struct search {
+    const ss_mesh *mesh;
     bool *is_crossing;
-    int32_t count, leaf_count;
-    int64_t visits;
-} tree;
+    int32_t own;
+} search;
 
-static int compare_places(const void *left, const void *right)
+static void try_pair(void *what, int32_t other)
 {
-    const place *a = left, *b = right;
-    return ss_order_then(ss_order_bits(a->code, b->code), ss_order_int(a->triangle, b->triangle));
-}
-
-static uint64_t spread_bits(uint64_t value)
-{
-    uint64_t out = 0;
-    for (int bit = 0; bit < 20; ++bit) {
-        out |= (value >> bit & 1) << (3 * bit);
+    search *s = what;
+    if (other > s->own && !(s->is_crossing[s->own] && s->is_crossing[other]) &&
+        ss_mesh_triangles_cross(s->mesh, s->own, other)) {
+        s->is_crossing[s->own] = true;
+        s->is_crossing[other] = true;
     }
-    return out;
 }
 
-static bool box_of(const ss_mesh *mesh, int32_t t, box *out)
+bool ss_mesh_mark_crossings(const ss_mesh *mesh, bool *out_is_crossing, bool *out_is_complete)
 {
-    *out = (box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    const int32_t *node = mesh->triangle[t];
-    if (!ss_mesh_has_good_nodes(mesh, node, 3)) {
+    ss_tree tree;
+    if (!ss_tree_init_triangles(&tree, mesh)) {
         return false;
     }
-    for (int i = 0; i < 3; ++i) {
-        const double *x = mesh->position[node[i]];
-        if (!ss_is_finite(x, 3)) {
-            return false;
-        }
-        for (int k = 0; k < 3; ++k) {
-            out->low[k] = fmin(out->low[k], x[k]);
-            out->high[k] = fmax(out->high[k], x[k]);
-        }
-    }
-    return true;
-}
-
-static void merge(box *into, const box *from)
-{
-    for (int k = 0; k < 3; ++k) {
-        into->low[k] = fmin(into->low[k], from->low[k]);
-        into->high[k] = fmax(into->high[k], from->high[k]);
-    }
-}
-
-static void sort_triangles(tree *t, const ss_mesh *mesh)
-{
-    const box nothing = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    box all = nothing;
-    box one;
+    int64_t visits = most_visits;
+    memset(out_is_crossing, 0, (size_t)mesh->triangle_count * sizeof *out_is_crossing);
     for (int32_t i = 0; i < mesh->triangle_count; ++i) {
-        if (box_of(mesh, i, &one)) {
-            t->place[t->count++].triangle = i;
-            merge(&all, &one);
+        ss_box box;
+        search s = {.mesh = mesh, .is_crossing = out_is_crossing, .own = i};
+        if (ss_box_of_triangle(mesh, i, &box)) {
+            ss_tree_visit(&tree, &box, &visits, try_pair, &s);
         }
     }
-    for (int32_t i = 0; i < t->count; ++i) {
-        (void)box_of(mesh, t->place[i].triangle, &one);
-        for (int k = 0; k < 3; ++k) {
-            const double width = all.high[k] - all.low[k];
-            const double share =
-                width > 0.0 ? (0.5 * one.low[k] + 0.5 * one.high[k] - all.low[k]) / width : 0.0;
-            const double step = fmin(fmax(share, 0.0), 1.0) * 1048575.0;
-            t->place[i].code |= spread_bits((uint64_t)step) << k;
-        }
-    }
-    if (t->count > 0) {
-        qsort(t->place, (size_t)t->count, sizeof *t->place, compare_places);
-    }
-    for (int32_t i = 0; i < t->leaf_count; ++i) {
-        t->box[t->leaf_count + i] = nothing;
-        if (i < t->count) {
-            (void)box_of(mesh, t->place[i].triangle, &t->box[t->leaf_count + i]);
-        }
-    }
-    for (int32_t i = t->leaf_count - 1; i > 0; --i) {
-        t->box[i] = t->box[2 * i];
-        merge(&t->box[i], &t->box[2 * i + 1]);
-    }
-}
-
-static bool overlap(const box *a, const box *b)
-{
-    return a->low[0] <= b->high[0] && b->low[0] <= a->high[0] && a->low[1] <= b->high[1] &&
-           b->low[1] <= a->high[1] && a->low[2] <= b->high[2] && b->low[2] <= a->high[2];
-}
-
-/* Tests leaf `own` against the leaves after it. */
-static void find_partners(tree *t, const ss_mesh *mesh, int32_t own)
-{
-    int32_t stack[64];
-    int depth = 0;
-    const box mine = t->box[t->leaf_count + own];
-    stack[depth++] = 1;
-    while (depth > 0 && t->visits < most_visits) {
-        const int32_t at = stack[--depth];
-        ++t->visits;
-        if (!overlap(&mine, &t->box[at])) {
-            continue;
-        }
-        if (at < t->leaf_count) {
-            stack[depth++] = 2 * at + 1;
-            stack[depth++] = 2 * at;
-            continue;
-        }
-        const int32_t a = t->place[own].triangle;
-        const int32_t b = t->place[at - t->leaf_count].triangle;
-        if (at - t->leaf_count > own && !(t->is_crossing[a] && t->is_crossing[b]) &&
-            cross(mesh, a, b)) {
-            t->is_crossing[a] = true;
-            t->is_crossing[b] = true;
-        }
-    }
+    *out_is_complete = visits > 0;
+    ss_tree_fini(&tree);
+    return true;
 }
 
 bool ss_mesh_find_crossings(const ss_mesh *mesh, ss_mesh_fault *out_triangle, bool *out_is_complete)
 {
     *out_triangle = (ss_mesh_fault){0};
-    tree t = {.leaf_count = 1};
-    while (t.leaf_count < mesh->triangle_count) {
-        t.leaf_count *= 2;
-    }
-    const size_t triangles = (size_t)mesh->triangle_count;
-    t.place = ss_memory_get(triangles, sizeof *t.place);
-    t.box = ss_memory_get(2 * (size_t)t.leaf_count, sizeof *t.box);
-    t.is_crossing = ss_memory_get(triangles, sizeof *t.is_crossing);
-    const bool is_good = t.place != NULL && t.box != NULL && t.is_crossing != NULL;
-    if (is_good) {
-        sort_triangles(&t, mesh);
-        for (int32_t i = 0; i < t.count; ++i) {
-            find_partners(&t, mesh, i);
-        }
-        *out_is_complete = t.visits < most_visits;
-        for (int32_t i = 0; i < mesh->triangle_count; ++i) {
-            if (t.is_crossing[i]) {
-                if (out_triangle->count < SS_MESH_FIRST) {
-                    out_triangle->first[out_triangle->count] = i;
-                }
-                ++out_triangle->count;
-            }
+    bool *is_crossing = ss_memory_get((size_t)mesh->triangle_count, sizeof *is_crossing);
+    const bool is_good =
+        is_crossing != NULL && ss_mesh_mark_crossings(mesh, is_crossing, out_is_complete);
+    for (int32_t i = 0; i < mesh->triangle_count && is_good; ++i) {
+        if (is_crossing[i]) {
+            ss_mesh_add_fault(out_triangle, i);
         }
     }
-    SS_EACH(ss_memory_free, t.place, t.box, t.is_crossing);
+    ss_memory_free(is_crossing);
     return is_good;
 }

@@ -270,7 +270,7 @@ int32_t ss_mesh_find_parts(const ss_mesh *mesh, bool by_tetrahedra, int32_t *out
     return count;
 }
 
-static bool box_lies_inside(const ss_mesh_part *inner, const ss_mesh_part *outer)
+bool ss_mesh_part_is_within(const ss_mesh_part *inner, const ss_mesh_part *outer)
 {
     for (int k = 0; k < 3; ++k) {
         if (!(inner->box_min[k] > outer->box_min[k] && inner->box_max[k] < outer->box_max[k])) {
@@ -286,7 +286,7 @@ static bool is_inside_out(const ss_mesh_part *parts, int32_t count, int32_t inde
         return false;
     }
     for (int32_t i = 0; i < count && count <= SS_MESH_MAX_PARTS; ++i) {
-        if (i != index && box_lies_inside(&parts[index], &parts[i])) {
+        if (i != index && ss_mesh_part_is_within(&parts[index], &parts[i])) {
             return false;
         }
     }
@@ -349,7 +349,7 @@ static int32_t find_shell(const ss_mesh_part *parts, int32_t count, int32_t cavi
 {
     int32_t best = -1;
     for (int32_t i = 0; i < count; ++i) {
-        if (parts[i].volume > 0.0 && box_lies_inside(&parts[cavity], &parts[i]) &&
+        if (parts[i].volume > 0.0 && ss_mesh_part_is_within(&parts[cavity], &parts[i]) &&
             (best < 0 || parts[i].volume < parts[best].volume)) {
             best = i;
         }

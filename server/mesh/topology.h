@@ -52,9 +52,11 @@ void ss_mesh_turn_quad(ss_mesh *mesh, int32_t q);
  * for which there is room. False when out of memory. */
 bool ss_mesh_arrange_quads(ss_mesh *mesh);
 
-/* The lower node that each node lies on, as ss_mesh_check counts coincident nodes, or -1; that node
- * lies on none. `report`: mean edge and box. False when out of memory. */
-bool ss_mesh_find_twins(const ss_mesh *mesh, const ss_mesh_report *report, int32_t *out_twin);
+/* How near to each other nodes are coincident: never below the rounding of coordinates. */
+double ss_mesh_twin_reach(const ss_mesh *mesh, double mean_edge);
+/* The lower node within `reach` of each node, or -1; that node has none itself. Only among those
+ * that `is_used` is true of; NULL: all. False when out of memory. */
+bool ss_mesh_find_twins(const ss_mesh *mesh, double reach, const bool *is_used, int32_t *out_twin);
 
 /* Below these times the square and cube of the mean edge, elements have no area or volume. */
 #define SS_MESH_FLAT_AREA   1e-6
@@ -75,6 +77,9 @@ typedef struct ss_mesh_part {
     double volume;
     bool is_open;
 } ss_mesh_part;
+
+/* By their boxes. */
+bool ss_mesh_part_is_within(const ss_mesh_part *inner, const ss_mesh_part *outer);
 
 /* More parts than this are not compared with one another. */
 enum { SS_MESH_MAX_PARTS = 1000 };

@@ -326,3 +326,41 @@ softsim_status ss_mesh_write_vtk(const ss_mesh *mesh, const char *path, softsim_
     }
     return close_output(&out);
 }
+
+softsim_status ss_mesh_write_cells(const ss_mesh *mesh, const ss_mesh_cell *cell, int32_t count,
+                                   const char *name, const char *path, softsim_error *error)
+{
+    output out;
+    const softsim_status status = open_output(&out, path, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    int64_t numbers = 0;
+    for (int32_t i = 0; i < count; ++i) {
+        numbers += cell[i].corners + 1;
+    }
+    (void)fprintf(out.file,
+                  "# vtk DataFile Version 3.0\nelements\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                  "POINTS %d double\n",
+                  mesh->node_count);
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        put_position(out.file, mesh->position[i]);
+    }
+    (void)fprintf(out.file, "CELLS %d %lld\n", count, (long long)numbers);
+    for (int32_t i = 0; i < count; ++i) {
+        (void)fprintf(out.file, "%d", cell[i].corners);
+        for (int k = 0; k < cell[i].corners; ++k) {
+            (void)fprintf(out.file, " %d", cell[i].node[k]);
+        }
+        (void)fputc('\n', out.file);
+    }
+    (void)fprintf(out.file, "CELL_TYPES %d\n", count);
+    for (int32_t i = 0; i < count; ++i) {
+        (void)fprintf(out.file, "%d\n", cell[i].corners == 4 ? 10 : 5);
+    }
+    (void)fprintf(out.file, "CELL_DATA %d\nSCALARS %s int 1\nLOOKUP_TABLE default\n", count, name);
+    for (int32_t i = 0; i < count; ++i) {
+        (void)fprintf(out.file, "%d\n", cell[i].value);
+    }
+    return close_output(&out);
+}

@@ -41,29 +41,18 @@ static void doubt_tool(const ss_notes *out, int32_t p, const ss_shape *shape, do
     }
 }
 
-static void tell_repairs(const ss_notes *out, const ss_mesh_repairs *done)
+static void tell_repairs(const ss_notes *out, const ss_mesh_repairs *done, bool is_volume)
 {
-    const struct {
-        int32_t count;
-        const char *what;
-        bool renumbers;
-    } rows[] = {
-        {done->bad_elements, "elements of bad nodes dropped", true},
-        {done->welded_nodes, "nodes welded to others", true},
-        {done->flat_elements, "flat elements dropped", true},
-        {done->twin_elements, "double elements dropped", true},
-        {done->loose_nodes, "loose nodes dropped", true},
-        {done->turned_tetrahedra, "tetrahedra turned", false},
-        {done->turned_triangles, "triangles turned", false},
-    };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
-        if (rows[i].count > 0) {
-            ss_note_warning(out, "object.repair", "%d %s%s", rows[i].count, rows[i].what,
-                            rows[i].renumbers
-                                ? "; numbers are those of the mended mesh, which softsim-mesh "
-                                  "convert --repair writes"
-                                : "");
-        }
+    ss_mesh_finding rows[SS_MESH_MAX_FINDINGS];
+    const int32_t count = ss_mesh_list_repairs(done, is_volume, rows);
+    for (int32_t i = 0; i < count; ++i) {
+        char numbers[160];
+        ss_mesh_print_fault(&rows[i], numbers, sizeof numbers);
+        ss_note_warning(out, "object.repair", "%s: %s%s", rows[i].what, numbers,
+                        rows[i].is_harmless
+                            ? ""
+                            : "; numbers are those of the mended mesh, which softsim-mesh "
+                              "convert --repair writes");
     }
 }
 
@@ -120,7 +109,7 @@ void ss_world_doubt(const ss_world *world, const ss_notes *out)
 {
     const ss_scene *scene = world->scene;
     const double diagonal = ss_mesh_diagonal(scene->mesh);
-    tell_repairs(out, &scene->repairs);
+    tell_repairs(out, &scene->repairs, scene->mesh->tetrahedron_count > 0);
     if (diagonal < SMALLEST_BODY_M || diagonal > LARGEST_BODY_M) {
         ss_note_warning(out, "object.units",
                         "the body's diagonal is %.4g m; are these the mesh file's units?",

@@ -330,12 +330,12 @@ TEST(repair_welds_drops_and_turns_and_counts_each)
     ss_mesh_repairs done;
     softsim_error error = {0};
     assert_int_equal(ss_mesh_repair(mesh, &mended, &done, &error), SOFTSIM_OK);
-    assert_int_equal(done.welded_nodes, 1);
-    assert_int_equal(done.flat_elements, 1);
-    assert_int_equal(done.twin_elements, 1);
-    assert_int_equal(done.bad_elements, 1);
-    assert_int_equal(done.loose_nodes, 1);
-    assert_int_equal(done.turned_triangles, 1);
+    assert_int_equal(done.welded_node.count, 1);
+    assert_int_equal(done.flat_element.count, 1);
+    assert_int_equal(done.twin_element.count, 1);
+    assert_int_equal(done.bad_element.count, 1);
+    assert_int_equal(done.loose_node.count, 1);
+    assert_int_equal(done.turned_triangle.count, 1);
     expect_good_cube(mended);
     ss_mesh *again = NULL;
     assert_int_equal(ss_mesh_repair(mended, &again, &done, &error), SOFTSIM_OK);
@@ -365,9 +365,9 @@ TEST(repair_turns_tetrahedra_and_takes_groups_along)
     ss_mesh *mended = NULL;
     ss_mesh_repairs done;
     assert_int_equal(ss_mesh_repair(mesh, &mended, &done, NULL), SOFTSIM_OK);
-    assert_int_equal(done.turned_tetrahedra, 2);
-    assert_int_equal(done.welded_nodes, 1);
-    assert_int_equal(done.loose_nodes, 1);
+    assert_int_equal(done.turned_tetrahedron.count, 2);
+    assert_int_equal(done.welded_node.count, 1);
+    assert_int_equal(done.loose_node.count, 1);
     assert_int_equal(mended->tetrahedron_count, 6);
     expect_good_cube(mended);
     assert_int_equal(mended->group_count, 1);
@@ -390,7 +390,7 @@ TEST(repair_keeps_quads_and_fails_where_nothing_is_left)
     assert_int_equal(ss_mesh_repair(mesh, &mended, &done, NULL), SOFTSIM_OK);
     assert_int_equal(mended->quad_count, 1);
     assert_int_equal(mended->node_count, 4);
-    assert_int_equal(done.twin_elements, 1);
+    assert_int_equal(done.twin_element.count, 1);
     ss_mesh_destroy(&mended);
     ss_mesh_destroy(&mesh);
 

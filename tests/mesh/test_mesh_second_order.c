@@ -528,10 +528,10 @@ TEST(mending_keeps_middles_with_their_sides)
                                                  (const int32_t(*)[10])tet, &given, NULL),
                      SOFTSIM_OK);
     assert_int_equal(ss_mesh_repair(given, &mended, &done, NULL), SOFTSIM_OK);
-    assert_int_equal(done.turned_tetrahedra, 1);
-    assert_int_equal(done.twin_elements, 1);
-    assert_int_equal(done.loose_nodes, 1);
-    assert_int_equal(done.welded_nodes, 1);
+    assert_int_equal(done.turned_tetrahedron.count, 1);
+    assert_int_equal(done.twin_element.count, 1);
+    assert_int_equal(done.loose_node.count, 1);
+    assert_int_equal(done.welded_node.count, 1);
     assert_int_equal(mended->node_count, 14);
     expect_own_middles(mended);
     expect_quarters(mended);

@@ -248,9 +248,11 @@ TEST(repair_tells_each_change_and_what_comes_out_is_good)
     assert_int_equal(run(TOOL "check broken.msh", out, sizeof out), 2);
     assert_int_equal(run(TOOL "convert broken.msh mended.msh --repair", out, sizeof out), 0);
     const char *const changes[] = {
-        "broken.msh: nodes welded to others: 1\n", "broken.msh: double elements dropped: 1\n",
-        "broken.msh: loose nodes dropped: 1\n",
-        "broken.msh: tetrahedra turned: ", "mended.msh: 8 nodes, 6 tetrahedra"};
+        "broken.msh: nodes welded to others: 1 (node 9)\n",
+        "broken.msh: double elements dropped: 1 (tetrahedron 6)\n",
+        "broken.msh: loose nodes dropped: 1 (node 8)\n",
+        "broken.msh: tetrahedra turned: 2 (tetrahedron 1, 4)\n",
+        "mended.msh: 8 nodes, 6 tetrahedra"};
     for (int32_t i = 0; i < COUNT(changes); ++i) {
         if (strstr(out, changes[i]) == NULL) {
             fail_msg("no '%s' in %s", changes[i], out);
@@ -269,7 +271,7 @@ TEST(repair_tells_what_it_leaves)
     write_text("hole.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\n"
                            "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 1 2 5\n");
     assert_int_equal(run(TOOL "convert hole.obj whole.obj --repair", out, sizeof out), 0);
-    assert_non_null(strstr(out, "hole.obj: double elements dropped: 1\n"));
+    assert_non_null(strstr(out, "hole.obj: double elements dropped: 1 (face 4)\n"));
     assert_non_null(strstr(out, "hole.obj: left as they are: holes: 1 (at node "));
     write_text("mine.obj", CUBE_V CUBE_F);
     assert_int_equal(run(TOOL "convert mine.obj whole.obj --repair", out, sizeof out), 0);

@@ -2,10 +2,12 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * softsim-mesh convert: from any format that is read to any that is written, told by the name of
- * OUT. The mesh goes as it is, good or bad, unless --repair mends it. The input is replaced only
- * when --overwrite says so, and then whole or not at all.
+ * OUT. The mesh goes as it is, good or bad, unless --repair mends it: then what is done is told,
+ * and what is left, and what a scene would still refuse is not written (exit status 2). The input
+ * is replaced only when --overwrite says so, and then whole or not at all.
  */
 #include "command.h"
+#include "faulty.h"
 #include "rt/args.h"
 #include "rt/files.h"
 #include "rt/plain.h"
@@ -14,7 +16,7 @@
 #include <stdio.h>
 
 typedef struct conversion {
-    const char *path[2];
+    const char *path[2], *vtk;
     int32_t units, to_units; /* -1: not given */
     int64_t order;           /* 0: as IN */
     bool is_mended, overwrites;
@@ -26,9 +28,12 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
     *c = (conversion){.units = -1, .to_units = -1};
     const ss_arg rows[] = {
         SS_FLAG("--repair", &c->is_mended,
-                "welds nodes on top of others, drops flat and double elements and loose nodes, "
-                "turns what "
-                "is inside out; tells what it did and what it left"),
+                "mends what can be mended and tells of each change and of what is left: welds "
+                "nodes, drops flat and double elements and loose nodes, closes seams and small "
+                "holes, parts surfaces where more than two triangles meet, turns what is inside "
+                "out; writes nothing that a scene would refuse (exit status 2)"),
+        SS_TEXT("--vtk", &c->vtk, "FILE",
+                "with --repair: the elements that are still faulty, to be looked at"),
         {"--order", SS_ARG_INTEGER, &c->order, 1, 2, "N",
          "of the tetrahedra: 2 adds nodes in the middle of sides, 1 leaves them out and closes up "
          "the numbers (as IN)"},
@@ -53,67 +58,78 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
                           "'%s' is the input: give another name, or --overwrite", c->path[1]);
     }
     (void)can_write_mesh(c->path[1], "OUT", false, error);
+    const char *why = c->vtk != NULL ? ss_files_why_no_output(c->vtk) : NULL;
+    if (why != NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "--vtk: '%s' is %s; give another name",
+                          c->vtk, why);
+    }
+    if (c->vtk != NULL && (!c->is_mended || ss_files_are_one(c->vtk, c->path[0]) ||
+                           ss_files_are_one(c->vtk, c->path[1]))) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--vtk: it goes with --repair, and is another file than IN and OUT");
+    }
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 
-static void print_count(const char *path, int32_t count, const char *what)
+static void print_repairs(const char *path, const ss_mesh *mesh, const ss_mesh_repairs *done)
 {
-    if (count > 0) {
-        ss_plain_print(stdout, "%s: %s: %d\n", path, what, count);
-    }
-}
-
-/* What a repair leaves as it is, because only people know what it should be. */
-static bool print_left(const char *path, const ss_mesh *mesh)
-{
-    ss_mesh_report report;
-    ss_mesh_finding found[SS_MESH_MAX_FINDINGS + 1];
-    ss_mesh_fault hole;
-    if (ss_mesh_check(mesh, &report) != SOFTSIM_OK || !ss_mesh_find_holes(mesh, &hole)) {
-        return false;
-    }
-    int32_t count = ss_mesh_list_findings(mesh, &report, found);
-    if (hole.count > 0) {
-        found[count++] = (ss_mesh_finding){.fault = &hole,
-                                           .what = "holes",
-                                           .where = "at node",
-                                           .remedy = "close them if the body has a volume"};
-    }
-    for (int32_t i = 0; i < count; ++i) {
-        char numbers[160];
-        if (!found[i].is_minor) {
-            ss_mesh_print_fault(&found[i], numbers, sizeof numbers);
-            ss_plain_print(stdout, "%s: left as they are: %s: %s: %s\n", path, found[i].what,
-                           numbers, found[i].remedy);
+    const struct {
+        int32_t count;
+        const char *what;
+    } read[] = {{mesh->joined_node_count, "vertices joined as the file was read"},
+                {mesh->unused_node_count, "unused vertices left out"}};
+    for (size_t i = 0; i < sizeof read / sizeof *read; ++i) {
+        if (read[i].count > 0) {
+            ss_plain_print(stdout, "%s: %s: %d\n", path, read[i].what, read[i].count);
         }
     }
-    return true;
+    ss_mesh_finding rows[SS_MESH_MAX_FINDINGS];
+    const int32_t count = ss_mesh_list_repairs(done, mesh->tetrahedron_count > 0, rows);
+    for (int32_t i = 0; i < count; ++i) {
+        char numbers[160];
+        ss_mesh_print_fault(&rows[i], numbers, sizeof numbers);
+        ss_plain_print(stdout, "%s: %s: %s\n", path, rows[i].what, numbers);
+    }
 }
 
-static softsim_status mend(const char *path, ss_mesh **inout_mesh, softsim_error *error)
+/* Tells what is left as it is, because only people know what it should be. */
+static softsim_status judge(const conversion *c, const ss_mesh *mesh, softsim_error *error)
+{
+    faulty f;
+    softsim_status status = SOFTSIM_ERROR_MEMORY;
+    if (faulty_find(&f, mesh)) {
+        faulty_print(&f, c->path[0]);
+        status = c->vtk != NULL ? faulty_write(&f, c->vtk, error) : SOFTSIM_OK;
+    } else {
+        softsim_error_add(error, status, "%s: out of memory", c->path[0]);
+    }
+    if (status == SOFTSIM_OK && (f.row_count > 0 || f.report.is_inside_out)) {
+        status = SOFTSIM_ERROR_MESH;
+        softsim_error_add(error, status,
+                          "%s: a scene refuses what is left, so nothing is written: mend that in "
+                          "the program that made it%s",
+                          c->path[0], c->vtk != NULL ? "" : "; --vtk FILE shows where it is");
+    }
+    faulty_fini(&f);
+    return status;
+}
+
+static softsim_status mend(const conversion *c, ss_mesh **inout_mesh, softsim_error *error)
 {
     ss_mesh *mended = NULL;
     ss_mesh_repairs done;
     const softsim_status status = ss_mesh_repair(*inout_mesh, &mended, &done, error);
+    print_repairs(c->path[0], *inout_mesh, &done);
     if (status != SOFTSIM_OK) {
+        /* To look at, as it was read. */
+        if (c->vtk != NULL && status == SOFTSIM_ERROR_MESH) {
+            (void)judge(c, *inout_mesh, NULL);
+        }
         return status;
     }
-    print_count(path, (*inout_mesh)->joined_node_count, "vertices joined as the file was read");
-    print_count(path, (*inout_mesh)->unused_node_count, "unused vertices left out");
-    print_count(path, done.bad_elements, "elements of bad nodes dropped");
-    print_count(path, done.welded_nodes, "nodes welded to others");
-    print_count(path, done.flat_elements, "flat elements dropped");
-    print_count(path, done.twin_elements, "double elements dropped");
-    print_count(path, done.loose_nodes, "loose nodes dropped");
-    print_count(path, done.turned_tetrahedra, "tetrahedra turned");
-    print_count(path, done.turned_triangles, "triangles turned");
     ss_mesh_destroy(inout_mesh);
     *inout_mesh = mended;
-    if (!print_left(path, mended)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    return SOFTSIM_OK;
+    return judge(c, mended, error);
 }
 
 /* Returns the exit status. */
@@ -126,7 +142,7 @@ static int convert(const void *what, softsim_error *error)
     softsim_status status = ss_mesh_load(c->path[0], 1.0, NULL, &mesh, error);
     ss_progress_end();
     if (status == SOFTSIM_OK && c->is_mended) {
-        status = mend(c->path[0], &mesh, error);
+        status = mend(c, &mesh, error);
     }
     status = status == SOFTSIM_OK ? change_order(c->order, &mesh, error) : status;
     if (status == SOFTSIM_OK && c->to_units >= 0) {
