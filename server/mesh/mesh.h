@@ -65,7 +65,7 @@ typedef struct ss_mesh {
      * quad q, 2q and 2q + 1. */
     int32_t (*quad)[4];
     ss_mesh_group *group;
-    bool is_closed; /* every edge has two triangles */
+    bool is_closed; /* every edge has two triangles, or more that fall into pairs */
     /* Faces of more than three corners that were cut into triangles as the file was read, because
      * not all of its faces are quads. */
     int32_t cut_face_count;
@@ -178,6 +178,8 @@ typedef struct ss_mesh_report {
         short_edge, non_manifold_edge, open_edge, inconsistent_winding;
     ss_mesh_fault inverted_tetrahedron, flat_tetrahedron;
     ss_mesh_fault non_manifold_node; /* the triangles around it form more than one fan */
+    /* Of a volume, whose surface touches itself there; no fault: ss_mesh_pair_sides. */
+    ss_mesh_fault pinched_edge, pinched_node;
     ss_mesh_fault duplicate_tetrahedron, crowded_face; /* a face of more than two tetrahedra */
     /* Of second order: sides whose tetrahedra have different middle nodes; nodes in the middle of
      * two sides, or at a corner too; tetrahedra of a volume that their middle nodes turn inside out
@@ -224,6 +226,13 @@ typedef struct ss_mesh_quality {
     int64_t histogram[SS_MESH_ANGLE_BINS]; /* elements by their least dihedral angle, or angle */
 } ss_mesh_quality;
 void ss_mesh_measure_quality(const ss_mesh *mesh, ss_mesh_quality *out);
+
+/* The side of the triangle with which the surface goes on over each side 3 t + c, from corner c of
+ * triangle t to the next; -1 on a boundary. Where a volume touches itself in an edge, the surface
+ * goes on along the same piece of the body (pinch.c); triangles around a node that are joined by
+ * such pairs are one fan. out_unpaired: a side of an edge whose triangles cannot be paired, since
+ * they are not wound in turn; -1: none. False when out of memory. */
+bool ss_mesh_pair_sides(const ss_mesh *mesh, int32_t *out_twin, int32_t *out_unpaired);
 
 /* The loops of open edges: count and lowest node of each. False when out of memory. */
 bool ss_mesh_find_holes(const ss_mesh *mesh, ss_mesh_fault *out_hole);

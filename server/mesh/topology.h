@@ -37,6 +37,8 @@ void ss_mesh_tuples_fini(ss_mesh_tuples *tuples);
 /* The end of the run of equal tuples that starts at `begin`. */
 int64_t ss_mesh_run_end(const ss_mesh_tuples *tuples, int64_t begin);
 
+/* Do as many of these triangles run along the edge, tuples begin to end, one way as the other? */
+bool ss_mesh_is_even(const ss_mesh *mesh, const ss_mesh_tuples *edges, int64_t begin, int64_t end);
 /* Node of corner c of triangle t runs to the node of corner c + 1; is that ascending? */
 bool ss_mesh_edge_is_ascending(const ss_mesh *mesh, int32_t id);
 
