@@ -5,9 +5,9 @@
  * Meshes at rest: nodes, triangles, quads and tetrahedra, fixed after load.
  *
  * In: a file (OBJ STL PLY GLB through the helper program softsim-import, which runs assimp in a
- * process of its own with limits on memory and time; Gmsh MSH 1, 2.2 and 4.1 in ASCII, TetGen's
- * .node and .ele, VTK legacy and XML by our own bounded readers, in double, numbering kept) and the
- * unit of its lengths. Out: SI coordinates, 0-based numbers in file order (never the file's tags).
+ * process of its own with limits on memory and time; Gmsh MSH 1, 2.2 and 4.1 in ASCII, OFF, TetGen,
+ * VTK legacy and XML by our own bounded readers, in double, numbering kept, hexahedra and the like
+ * split) and the unit of its lengths. Out: SI coordinates, 0-based numbers in file order, no tags.
  * The surface of a volume mesh is extracted and wound counter-clockwise seen from outside. Memory
  * belongs to the mesh.
  * Thread: set-up only, but a finished mesh is read-only and may be read from any thread.
@@ -36,11 +36,11 @@ typedef enum ss_mesh_kind {
     SS_MESH_QUAD,
     SS_MESH_TETRAHEDRON,
     SS_MESH_TETRAHEDRON_2,
-    SS_MESH_POLYGON, /* of other corners, strips, pixels */
-    SS_MESH_TRIANGLE_2,
     SS_MESH_HEXAHEDRON,
     SS_MESH_PRISM,
     SS_MESH_PYRAMID,
+    SS_MESH_POLYGON, /* of other corners, strips, pixels */
+    SS_MESH_TRIANGLE_2,
     SS_MESH_HIGHER_ORDER,
     SS_MESH_OTHER,
     SS_MESH_KIND_COUNT
@@ -72,9 +72,12 @@ typedef struct ss_mesh {
     /* After ss_mesh_renumber: the file's number of each node, and of each element as
      * ss_mesh_element_count counts them; NULL where every number is the file's. */
     int32_t *file_node, *file_element;
-    /* Vertices of an OBJ file that lay on another and were joined with it as the file was read, and
-     * that no face has, left out. */
+    /* Vertices of an OBJ file that lay on another and were joined with it as the file was read; and
+     * nodes of any file that no element has, left out: numbers close up. */
     int32_t joined_node_count, unused_node_count;
+    /* Hexahedra, prisms and pyramids of the file, by kind, that were split into tetrahedra: a
+     * cell's stand in a row, at its place in the file's order. */
+    int64_t split[SS_MESH_KIND_COUNT];
     /* Elements of the file that are no part of the mesh, by kind. Points, lines, and faces beside
      * tetrahedra (TRIANGLE, QUAD, POLYGON, TRIANGLE_2) only name nodes for groups; where others are
      * counted the body has gaps. */

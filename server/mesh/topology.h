@@ -58,6 +58,9 @@ bool ss_mesh_arrange_quads(ss_mesh *mesh);
  * lies on none. `report`: mean edge and box. False when out of memory. */
 bool ss_mesh_find_twins(const ss_mesh *mesh, const ss_mesh_report *report, int32_t *out_twin);
 
+/* Leaves out nodes that no element has; indices must be good. False when out of memory. */
+bool ss_mesh_drop_unused(ss_mesh *mesh);
+
 /* Below these times the square and cube of the mean edge, elements have no area or volume. */
 #define SS_MESH_FLAT_AREA   1e-6
 #define SS_MESH_FLAT_VOLUME 1e-9

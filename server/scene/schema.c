@@ -120,7 +120,7 @@ static const ss_scene_row grid_row[] = {
         .choices = "none|rows|columns", .needs = "file"),
 };
 static const ss_scene_row object_row[] = {
-    ROW(FILE, "mesh", "surface (OBJ STL PLY GLB MSH VTK) or volume (MSH, TetGen, VTK)",
+    ROW(FILE, "mesh", "surface (OBJ STL PLY OFF GLB MSH VTK) or volume (MSH, TetGen, VTK)",
         .one_of = 'M'),
     KEYS("grid", TABLE(grid_row), .one_of = 'M'),
     ROW(CHOICE, "units", "of the file of the mesh, or of a grid's nodes", .choices = UNITS,
