@@ -53,16 +53,16 @@ static void sample_row(const ss_grid *grid, int32_t sample_index, double out[3])
 static void add_tissue(const ss_surface *surface, int32_t t, int32_t sample_index, double weight,
                        tally *sum)
 {
-    const int32_t *corner = surface->control + surface->control_first[t];
+    const int32_t *fan = surface->fan[t];
     double row[3];
     sample_row(&surface->grid, sample_index, row);
     for (int k = 0; k < 3; ++k) {
         const double w = weight * row[k];
         for (int c = 0; c < 3; ++c) {
-            sum->rest_normal[c] += w * (double)surface->node_normal[corner[k]][c];
+            sum->rest_normal[c] += w * (double)surface->fan_normal[fan[k]][c];
         }
         for (int c = 0; c < 6; ++c) {
-            sum->curvature[c] += w * (double)surface->node_curvature[corner[k]][c];
+            sum->curvature[c] += w * (double)surface->fan_curvature[fan[k]][c];
         }
     }
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Normals and curvature of the rest surface, per node.
+ * Normals and curvature of the rest surface, per node: per fan, where a body touches itself in one.
  *
  * S is the Hessian of the surface's height along its outward normal n: n(x + D) = n - S D, so
  * S < 0 on a convex body (-1/rho on a ball). At node i it is the symmetric 2 x 2 fit, by least
@@ -88,18 +88,18 @@ static void solve_fit(const fit *f, ss_real out[6])
     }
 }
 
-static void set_normals(ss_surface *surface, const ss_mesh *mesh)
+static void set_normals(ss_surface *surface, const ss_mesh *mesh, const ss_edges *edges)
 {
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *v = mesh->triangle[t];
         double area[3];
         ss_normal3(area, mesh->position[v[0]], mesh->position[v[1]], mesh->position[v[2]]);
         for (int k = 0; k < 9; ++k) {
-            surface->node_normal[v[k / 3]][k % 3] += (ss_real)area[k % 3];
+            surface->fan_normal[edges->fan[3 * t + k / 3]][k % 3] += (ss_real)area[k % 3];
         }
     }
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        ss_real *n = surface->node_normal[i];
+    for (int32_t i = 0; i < edges->fan_count; ++i) {
+        ss_real *n = surface->fan_normal[i];
         double normal[3] = {(double)n[0], (double)n[1], (double)n[2]};
         if (!(ss_normalize3(normal) > 0.0)) {
             ss_set3(normal, 0.0, 0.0, 1.0);
@@ -110,51 +110,57 @@ static void set_normals(ss_surface *surface, const ss_mesh *mesh)
     }
 }
 
-static void fit_nodes(const ss_surface *surface, const ss_mesh *mesh, fit *fits)
+static void fit_fans(const ss_surface *surface, const ss_mesh *mesh, const ss_edges *edges,
+                     fit *fits)
 {
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        set_basis(surface->node_normal[i], &fits[i]);
+    for (int32_t i = 0; i < edges->fan_count; ++i) {
+        set_basis(surface->fan_normal[i], &fits[i]);
     }
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         for (int k = 0; k < 6; ++k) {
-            const int32_t i = mesh->triangle[t][k % 3];
-            const int32_t j = mesh->triangle[t][(k % 3 + 1 + k / 3) % 3];
+            const int from = k % 3, to = (k % 3 + 1 + k / 3) % 3;
+            const int32_t i = edges->fan[3 * t + from];
+            const int32_t j = edges->fan[3 * t + to];
             double edge[3], turn[3];
-            ss_sub3(edge, mesh->position[j], mesh->position[i]);
+            ss_sub3(edge, mesh->position[mesh->triangle[t][to]],
+                    mesh->position[mesh->triangle[t][from]]);
             for (int c = 0; c < 3; ++c) {
-                turn[c] = (double)surface->node_normal[j][c] - (double)surface->node_normal[i][c];
+                turn[c] = (double)surface->fan_normal[j][c] - (double)surface->fan_normal[i][c];
             }
             add_neighbour(&fits[i], edge, turn);
         }
     }
 }
 
-softsim_status ss_surface_curve(ss_surface *surface, const ss_mesh *mesh)
+softsim_status ss_surface_curve(ss_surface *surface, const ss_mesh *mesh, const ss_edges *edges)
 {
-    const size_t node_count = (size_t)mesh->node_count;
-    fit *fits = ss_memory_get(node_count, sizeof(fit));
-    ss_real(*rough)[6] = ss_memory_get(node_count, sizeof *rough);
-    int32_t *count = ss_memory_get(node_count, sizeof(int32_t));
-    const bool is_good = fits != NULL && rough != NULL && count != NULL;
+    const size_t fans = (size_t)edges->fan_count;
+    fit *fits = ss_memory_get(fans, sizeof(fit));
+    ss_real(*rough)[6] = ss_memory_get(fans, sizeof *rough);
+    int32_t *count = ss_memory_get(fans, sizeof(int32_t));
+    surface->fan_normal = ss_memory_get(fans, sizeof *surface->fan_normal);
+    surface->fan_curvature = ss_memory_get(fans, sizeof *surface->fan_curvature);
+    const bool is_good = fits != NULL && rough != NULL && count != NULL &&
+                         surface->fan_normal != NULL && surface->fan_curvature != NULL;
     if (is_good) {
-        set_normals(surface, mesh);
-        fit_nodes(surface, mesh, fits);
-        for (size_t i = 0; i < node_count; ++i) {
+        set_normals(surface, mesh, edges);
+        fit_fans(surface, mesh, edges, fits);
+        for (size_t i = 0; i < fans; ++i) {
             solve_fit(&fits[i], rough[i]);
         }
         for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-            const int32_t *v = mesh->triangle[t];
+            const int32_t *v = &edges->fan[3 * t];
             for (int k = 0; k < 3; ++k) {
                 for (int c = 0; c < 6; ++c) {
-                    surface->node_curvature[v[k]][c] +=
+                    surface->fan_curvature[v[k]][c] +=
                         (rough[v[0]][c] + rough[v[1]][c] + rough[v[2]][c]) / 3;
                 }
                 count[v[k]]++;
             }
         }
-        for (size_t i = 0; i < node_count; ++i) {
-            for (int c = 0; c < 6 && count[i] > 0; ++c) {
-                surface->node_curvature[i][c] /= (ss_real)count[i];
+        for (size_t i = 0; i < fans; ++i) {
+            for (int c = 0; c < 6; ++c) {
+                surface->fan_curvature[i][c] /= (ss_real)count[i];
             }
         }
     }

@@ -8,8 +8,10 @@
  *   edge point      3/8 (a + b) + 1/8 (c + d);            boundary: 1/2 (a + b)
  *   vertex, valence n   (1 - n beta) v + beta sum ring,  beta = (5/8 - (3/8 + cos(2 pi/n)/4)^2)/n
  *   boundary vertex     3/4 v + 1/8 (its two boundary neighbours)
- * A node whose triangles do not form one fan keeps its place. All coefficients are >= 0, each row
- * sums to 1, and level 2 of a triangle depends on its corners' one-rings alone.
+ * Where a body touches itself in a node or an edge, each fan of triangles that goes on through one
+ * piece of the body (ss_mesh_pair_sides) is a corner of its own, over the nodes of that fan. All
+ * coefficients are >= 0, each row sums to 1, and level 2 of a triangle depends on its corners'
+ * one-rings alone.
  *
  *   2            Level-1 points: A_k of the corners, E_k,j on the edges from corner k to its j-th
  *   |\           ring node; M_k = E_k,p_k is the middle of side k -> k + 1, p_k the ring index of
@@ -48,74 +50,80 @@ static int32_t origin_of(const ss_edges *edges, int32_t half)
     return edges->triangle[half / 3][half % 3];
 }
 
-/* Finds the half-edge from `a` to `b` in the chain of those that leave `a`. */
-static int32_t find_half(const ss_edges *edges, const int32_t *first_out, const int32_t *next_out,
-                         int32_t a, int32_t b)
+static softsim_status check_valence(const ss_mesh *mesh, int32_t *valence, softsim_error *error)
 {
-    int32_t half = first_out[a];
-    while (half >= 0 && origin_of(edges, next_half(half)) != b) {
-        half = next_out[half];
+    for (int32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+        valence[mesh->triangle[i / 3][i % 3]]++;
     }
-    return half;
-}
-
-static softsim_status link_twins(ss_edges *edges, const ss_mesh *mesh, int32_t *first_out,
-                                 int32_t *next_out, softsim_error *error)
-{
-    const int32_t half_count = 3 * edges->triangle_count;
-    for (int32_t half = 0; half < half_count; ++half) {
-        const int32_t a = origin_of(edges, half);
-        const int32_t b = origin_of(edges, next_half(half));
-        if (find_half(edges, first_out, next_out, a, b) >= 0) {
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        if (valence[i] > SS_MAX_VALENCE) {
             softsim_error_add(error, SOFTSIM_ERROR_MESH,
-                              "the edge from node %d to %d is used twice in the same direction: "
-                              "make the surface manifold and its winding consistent",
-                              ss_mesh_file_node(mesh, a), ss_mesh_file_node(mesh, b));
+                              "node %d has %d triangles around it, more than %d: remesh",
+                              ss_mesh_file_node(mesh, i), valence[i], SS_MAX_VALENCE);
             return SOFTSIM_ERROR_MESH;
         }
-        next_out[half] = first_out[a];
-        first_out[a] = half;
-    }
-    for (int32_t half = 0; half < half_count; ++half) {
-        edges->twin[half] = find_half(edges, first_out, next_out, origin_of(edges, next_half(half)),
-                                      origin_of(edges, half));
     }
     return SOFTSIM_OK;
+}
+
+static softsim_status link_twins(ss_edges *edges, const ss_mesh *mesh, softsim_error *error)
+{
+    int32_t unpaired = -1;
+    if (!ss_mesh_pair_sides(mesh, edges->twin, &unpaired)) {
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    if (unpaired >= 0) {
+        softsim_error_add(error, SOFTSIM_ERROR_MESH,
+                          "the triangles at the edge of nodes %d and %d are not wound in turn: "
+                          "make the surface manifold and its winding consistent",
+                          ss_mesh_file_node(mesh, origin_of(edges, unpaired)),
+                          ss_mesh_file_node(mesh, origin_of(edges, next_half(unpaired))));
+        return SOFTSIM_ERROR_MESH;
+    }
+    return SOFTSIM_OK;
+}
+
+/* Numbers the fans in the order of their first triangles. */
+static void number_fans(ss_edges *edges)
+{
+    const int32_t half_count = 3 * edges->triangle_count;
+    memset(edges->fan, -1, (size_t)half_count * sizeof *edges->fan);
+    for (int32_t start = 0; start < half_count; ++start) {
+        if (edges->fan[start] >= 0) {
+            continue;
+        }
+        int32_t half = start;
+        do {
+            edges->fan[half] = edges->fan_count;
+            half = edges->twin[prev_half(half)];
+        } while (half >= 0 && half != start);
+        int32_t back = half < 0 ? edges->twin[start] : -1;
+        while (back >= 0) {
+            edges->fan[next_half(back)] = edges->fan_count;
+            back = edges->twin[next_half(back)];
+        }
+        ++edges->fan_count;
+    }
 }
 
 softsim_status ss_edges_init(ss_edges *edges, const ss_mesh *mesh, softsim_error *error)
 {
     *edges = (ss_edges){.triangle_count = mesh->triangle_count,
                         .triangle = (const int32_t(*)[3])mesh->triangle};
-    const size_t half_count = 3 * (size_t)mesh->triangle_count;
-    const size_t node_count = (size_t)mesh->node_count;
-    edges->twin = ss_memory_get(half_count, sizeof(int32_t));
-    edges->valence = ss_memory_get(node_count, sizeof(int32_t));
-    int32_t *first_out = ss_memory_get(node_count, sizeof(int32_t));
-    int32_t *next_out = ss_memory_get(half_count, sizeof(int32_t));
+    edges->twin = ss_memory_get(3 * (size_t)mesh->triangle_count, sizeof(int32_t));
+    edges->fan = ss_memory_get(3 * (size_t)mesh->triangle_count, sizeof(int32_t));
+    int32_t *valence = ss_memory_get((size_t)mesh->node_count, sizeof(int32_t));
     softsim_status status = SOFTSIM_ERROR_MEMORY;
-    if (edges->twin != NULL && edges->valence != NULL && first_out != NULL && next_out != NULL) {
-        status = SOFTSIM_OK;
-        memset(first_out, -1, node_count * sizeof(int32_t));
-        for (size_t half = 0; half < half_count; ++half) {
-            edges->valence[mesh->triangle[half / 3][half % 3]]++;
-        }
-        /* Bounds the chains below as well as the rows. */
-        for (int32_t i = 0; i < mesh->node_count && status == SOFTSIM_OK; ++i) {
-            if (edges->valence[i] > SS_MAX_VALENCE) {
-                softsim_error_add(error, SOFTSIM_ERROR_MESH,
-                                  "node %d has %d triangles around it, more than %d: remesh",
-                                  ss_mesh_file_node(mesh, i), edges->valence[i], SS_MAX_VALENCE);
-                status = SOFTSIM_ERROR_MESH;
-            }
-        }
+    if (edges->twin != NULL && edges->fan != NULL && valence != NULL) {
+        status = check_valence(mesh, valence, error);
         if (status == SOFTSIM_OK) {
-            status = link_twins(edges, mesh, first_out, next_out, error);
+            status = link_twins(edges, mesh, error);
         }
     }
-    ss_memory_free(next_out);
-    ss_memory_free(first_out);
-    if (status != SOFTSIM_OK) {
+    ss_memory_free(valence);
+    if (status == SOFTSIM_OK) {
+        number_fans(edges);
+    } else {
         ss_edges_fini(edges);
     }
     return status;
@@ -124,9 +132,9 @@ softsim_status ss_edges_init(ss_edges *edges, const ss_mesh *mesh, softsim_error
 void ss_edges_fini(ss_edges *edges)
 {
     ss_memory_free(edges->twin);
-    ss_memory_free(edges->valence);
+    ss_memory_free(edges->fan);
     edges->twin = NULL;
-    edges->valence = NULL;
+    edges->fan = NULL;
 }
 
 /* ---- one triangle ---- */
@@ -136,12 +144,12 @@ typedef struct ring {
     int32_t count;
     int32_t next; /* index of the triangle's next corner */
     bool is_boundary;
-    bool is_fan;                       /* holds every triangle of the node */
     int32_t local[SS_MAX_VALENCE + 1]; /* mesh nodes, then control indices */
 } ring;
 
 typedef struct builder {
     const ss_edges *edges;
+    int32_t fan[3];
     int32_t control_count;
     int32_t control[SS_MAX_CONTROLS];
     ring ring[3];
@@ -184,7 +192,6 @@ static void walk_ring(const ss_edges *edges, int32_t start, ring *out)
     }
     out->count = back_count + ahead_count;
     out->next = back_count;
-    out->is_fan = triangles == edges->valence[origin_of(edges, start)];
     for (int32_t j = 0; j < back_count; ++j) {
         out->local[j] = back[back_count - 1 - j];
     }
@@ -231,6 +238,7 @@ static void collect_controls(builder *b, int32_t t)
     b->control_count = 0;
     for (int k = 0; k < 3; ++k) {
         control_index(b, b->edges->triangle[t][(first + k) % 3]);
+        b->fan[k] = b->edges->fan[3 * t + (first + k) % 3];
     }
     for (int k = 0; k < 3; ++k) {
         ring *around = &b->ring[k];
@@ -268,9 +276,7 @@ static void level_one(builder *b)
         const int32_t n = around->count;
         double *corner = b->corner[k];
         clear_row(b, corner);
-        if (!around->is_fan) {
-            corner[k] = 1.0;
-        } else if (around->is_boundary) {
+        if (around->is_boundary) {
             corner[k] = 0.75;
             corner[around->local[0]] += 0.125;
             corner[around->local[n - 1]] += 0.125;
@@ -301,9 +307,7 @@ static void corner_point(builder *b, int k, double *out)
     const ring *around = &b->ring[k];
     const int32_t n = around->count;
     clear_row(b, out);
-    if (!around->is_fan) {
-        add_row(b, out, 1.0, b->corner[k]);
-    } else if (around->is_boundary) {
+    if (around->is_boundary) {
         add_row(b, out, 0.75, b->corner[k]);
         add_row(b, out, 0.125, b->edge[k][0]);
         add_row(b, out, 0.125, b->edge[k][n - 1]);
@@ -388,6 +392,7 @@ static void linear_points(builder *b, const ss_edges *edges, int32_t t)
     }
     for (int k = 0; k < 3; ++k) {
         b->control[k] = edges->triangle[t][k];
+        b->fan[k] = edges->fan[3 * t + k];
         b->point[k][k] = 1.0;
     }
 }
@@ -466,6 +471,7 @@ static bool store_triangle(const builder *b, ss_surface *surface, shelf *s, int3
     }
     memcpy(surface->control + s->control_used, b->control,
            (size_t)b->control_count * sizeof(int32_t));
+    memcpy(surface->fan[t], b->fan, sizeof b->fan);
     s->control_used += b->control_count;
     surface->control_first[t + 1] = (int32_t)s->control_used;
     ss_real *row = surface->coefficient + s->row_used * SS_GRID_ROW;

@@ -393,14 +393,12 @@ static bool allocate(ss_surface *surface, const ss_mesh *mesh)
     surface->control_first = ss_memory_get(triangle_count + 1, sizeof(int32_t));
     surface->patch_of = ss_memory_get(triangle_count, sizeof(int32_t));
     surface->area = ss_memory_get(triangle_count, sizeof(ss_real));
-    surface->node_normal = ss_memory_get(node_count, sizeof *surface->node_normal);
-    surface->node_curvature = ss_memory_get(node_count, sizeof *surface->node_curvature);
+    surface->fan = ss_memory_get(triangle_count, sizeof *surface->fan);
     surface->leaf_node_first = ss_memory_get(leaf_count + 1, sizeof(int32_t));
     surface->box = ss_memory_get(2 * leaf_count, sizeof(ss_box));
     surface->fitted_u = ss_memory_get(node_count, 4 * sizeof(ss_real));
     return surface->rest != NULL && surface->control_first != NULL && surface->patch_of != NULL &&
-           surface->area != NULL && surface->node_normal != NULL &&
-           surface->node_curvature != NULL && surface->leaf_node_first != NULL &&
+           surface->area != NULL && surface->fan != NULL && surface->leaf_node_first != NULL &&
            surface->box != NULL && surface->fitted_u != NULL;
 }
 
@@ -456,7 +454,7 @@ static softsim_status build(ss_surface *surface, const ss_mesh *mesh, const ss_e
         status = list_leaf_nodes(surface);
     }
     if (status == SOFTSIM_OK) {
-        status = ss_surface_curve(surface, mesh);
+        status = ss_surface_curve(surface, mesh, edges);
     }
     ss_memory_free(order);
     return status;
@@ -506,13 +504,12 @@ void ss_surface_destroy(ss_surface **surface)
     if (surface == NULL || *surface == NULL) {
         return;
     }
-    void *memory[] = {(*surface)->rest,           (*surface)->control_first,
-                      (*surface)->control,        (*surface)->patch_of,
-                      (*surface)->area,           (*surface)->patch,
-                      (*surface)->coefficient,    (*surface)->node_normal,
-                      (*surface)->node_curvature, (*surface)->leaf_node_first,
-                      (*surface)->leaf_node,      (*surface)->box,
-                      (*surface)->fitted_u};
+    void *memory[] = {
+        (*surface)->rest,          (*surface)->control_first, (*surface)->control,
+        (*surface)->patch_of,      (*surface)->area,          (*surface)->patch,
+        (*surface)->coefficient,   (*surface)->fan,           (*surface)->fan_normal,
+        (*surface)->fan_curvature, (*surface)->leaf_node,     (*surface)->leaf_node_first,
+        (*surface)->box,           (*surface)->fitted_u};
     for (size_t i = 0; i < sizeof memory / sizeof memory[0]; ++i) {
         ss_memory_free(memory[i]);
     }

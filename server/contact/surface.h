@@ -84,8 +84,9 @@ struct ss_surface {
     ss_real *area; /* m^2, at rest */
     ss_patch *patch;
     ss_real *coefficient;
-    ss_real (*node_normal)[3];    /* out of the tissue, at rest */
-    ss_real (*node_curvature)[6]; /* xx xy xz yy yz zz, 1/m, at rest */
+    int32_t (*fan)[3];           /* of the first three controls: who shares a normal */
+    ss_real (*fan_normal)[3];    /* out of the tissue, at rest */
+    ss_real (*fan_curvature)[6]; /* xx xy xz yy yz zz, 1/m, at rest */
     /* Complete binary tree: node k has children 2k + 1, 2k + 2; leaves are the last leaf_count. */
     int32_t *leaf_node_first; /* leaf_count + 1 */
     int32_t *leaf_node;       /* distinct control nodes of the leaf's triangles */
@@ -162,23 +163,26 @@ static inline void ss_surface_scatter(const ss_surface *surface, int32_t t,
 
 /* ---- subdivide.c ---- */
 
-/* Half-edges of a triangle list: half-edge 3t + k runs from corner k to corner k + 1. */
+/* Half-edges of a triangle list: half-edge 3t + k runs from corner k to corner k + 1. The triangles
+ * around a node are one fan, or more where the body touches itself. */
 typedef struct ss_edges {
     int32_t triangle_count;
     const int32_t (*triangle)[3];
-    int32_t *twin;    /* the opposite half-edge, -1 on a boundary */
-    int32_t *valence; /* triangles around each node */
+    int32_t *twin; /* of ss_mesh_pair_sides: the opposite half-edge, -1 on a boundary */
+    int32_t *fan;  /* of the corner that each half-edge leaves */
+    int32_t fan_count;
 } ss_edges;
 
 softsim_status ss_edges_init(ss_edges *edges, const ss_mesh *mesh, softsim_error *error);
 void ss_edges_fini(ss_edges *edges);
 
-/* Fills control_first, control, patch_of, patch and coefficient; may turn the triangles' corners
- * (the first three controls). `triangle` lists the mesh's triangles in the surface's order. */
+/* Fills control_first, control, fan, patch_of, patch and coefficient; may turn the triangles'
+ * corners (the first three controls). `triangle` lists the mesh's triangles in the surface's order.
+ */
 softsim_status ss_subdivide(const ss_edges *edges, const int32_t *triangle, bool is_linear,
                             ss_surface *surface);
 
 /* ---- curvature.c ---- */
 
-/* Fills node_normal and node_curvature. */
-softsim_status ss_surface_curve(ss_surface *surface, const ss_mesh *mesh);
+/* Makes fan_normal and fan_curvature. */
+softsim_status ss_surface_curve(ss_surface *surface, const ss_mesh *mesh, const ss_edges *edges);

@@ -6,12 +6,14 @@
  *
  * A node is non-manifold when the triangles around it form more than one fan: corners of
  * neighbouring triangles are joined across their common edges, and each node may have one set of
- * corners. Measures are relative to the mean edge h, so that a body in millimetres is judged as
- * the same body in metres.
+ * corners. The surface of a volume may touch itself in nodes and edges (pinch.c): no fault.
+ * Measures are relative to the mean edge h, so that a body in millimetres is judged as the same
+ * body in metres.
  */
 #include "mesh/mesh.h"
 #include "mesh/tetrahedron.h"
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/hash.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -193,9 +195,20 @@ static void edge_corners(const ss_mesh *mesh, int32_t id, int32_t out[2])
     out[1] = is_ascending ? end : start;
 }
 
-static void check_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges, int32_t *corner_set,
-                        ss_mesh_report *report)
+static void join_corners(const ss_mesh *mesh, int32_t side, int32_t other, int32_t *corner_set)
 {
+    int32_t first[2], second[2];
+    edge_corners(mesh, side, first);
+    edge_corners(mesh, other, second);
+    ss_mesh_union_join(corner_set, first[0], second[0]);
+    ss_mesh_union_join(corner_set, first[1], second[1]);
+}
+
+/* `twin`: of ss_mesh_pair_sides. Where triangles cannot be paired they all are one corner. */
+static void check_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges, const int32_t *twin,
+                        int32_t *corner_set, ss_mesh_report *report)
+{
+    const bool is_volume = mesh->tetrahedron_count > 0;
     ss_mesh_union_init(corner_set, 3 * mesh->triangle_count);
     for (int64_t i = 0; i < edges->count;) {
         const int64_t end = ss_mesh_run_end(edges, i);
@@ -203,18 +216,17 @@ static void check_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges, int32_
         if (end - i == 1) {
             ss_mesh_add_fault(&report->open_edge, edge->node[0]);
         } else if (end - i > 2) {
-            ss_mesh_add_fault(&report->non_manifold_edge, edge->node[0]);
+            const bool is_pinched = is_volume && twin[edge->id] >= 0;
+            ss_mesh_add_fault(is_pinched ? &report->pinched_edge : &report->non_manifold_edge,
+                              edge->node[0]);
         } else if (ss_mesh_edge_is_ascending(mesh, edge[0].id) ==
                    ss_mesh_edge_is_ascending(mesh, edge[1].id)) {
             ss_mesh_add_fault(&report->inconsistent_winding, edge->node[0]);
         }
-        int32_t first[2];
-        edge_corners(mesh, edge->id, first);
-        for (int64_t k = i + 1; k < end; ++k) {
-            int32_t other[2];
-            edge_corners(mesh, edges->tuple[k].id, other);
-            ss_mesh_union_join(corner_set, first[0], other[0]);
-            ss_mesh_union_join(corner_set, first[1], other[1]);
+        for (int64_t k = i; k < end; ++k) {
+            const int32_t side = edges->tuple[k].id;
+            const bool is_paired = is_volume && twin[side] >= 0;
+            join_corners(mesh, side, is_paired ? twin[side] : edge->id, corner_set);
         }
         i = end;
     }
@@ -236,7 +248,9 @@ static void check_fans(const ss_mesh *mesh, int32_t *corner_set, int32_t *fans,
     }
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         if (fans[i] > 1) {
-            ss_mesh_add_fault(&report->non_manifold_node, i);
+            ss_mesh_add_fault(mesh->tetrahedron_count > 0 ? &report->pinched_node
+                                                          : &report->non_manifold_node,
+                              i);
         }
     }
 }
@@ -475,6 +489,7 @@ static void forget_consequences(ss_mesh_report *report)
     if (report->parted_side.count > 0 || report->shared_middle.count > 0) {
         report->loose_node = report->zero_area = report->open_edge = none;
         report->non_manifold_edge = report->non_manifold_node = none;
+        report->pinched_edge = report->pinched_node = none;
         report->inconsistent_winding = report->duplicate_triangle = none;
     }
 }
@@ -514,14 +529,16 @@ static bool check_surface_edges(const ss_mesh *mesh, const ss_mesh_tuples *edges
                                 ss_mesh_report *report)
 {
     int32_t *corner_set = ss_memory_get(3 * (size_t)mesh->triangle_count, sizeof *corner_set);
+    int32_t *twin = ss_memory_get(3 * (size_t)mesh->triangle_count, sizeof *twin);
     int32_t *fans = ss_memory_get((size_t)mesh->node_count, sizeof *fans);
-    const bool is_done = corner_set != NULL && fans != NULL;
+    int32_t unpaired;
+    const bool is_done = corner_set != NULL && twin != NULL && fans != NULL &&
+                         ss_mesh_pair_sides(mesh, twin, &unpaired);
     if (is_done) {
-        check_edges(mesh, edges, corner_set, report);
+        check_edges(mesh, edges, twin, corner_set, report);
         check_fans(mesh, corner_set, fans, report);
     }
-    ss_memory_free(corner_set);
-    ss_memory_free(fans);
+    SS_EACH(ss_memory_free, corner_set, twin, fans);
     return is_done;
 }
 
@@ -625,6 +642,10 @@ static const finding_row rows[] = {
      "write the nodes in the format's own order, remesh, or take the corners alone (softsim-mesh "
      "convert --order 1)",
      false, false},
+    {ROW(pinched_edge), "edges in which the body touches itself", NULL, "at node",
+     "it runs as it is; join its parts by more than an edge if they should be one", true, true},
+    {ROW(pinched_node), "nodes in which the body touches itself", NULL, "node",
+     "it runs as it is; join its parts by more than a point if they should be one", true, true},
     {ROW(open_edge), "open edges", NULL, "at node",
      "the body has no volume; close the holes if it should", true, true},
 };

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Which elements are kept: with tetrahedra only those, and the surface is extracted from them;
- * else triangles and quads. Quads beside triangles are cut in two, at their place in the file's
- * order. Everything else is counted in the mesh's `skipped`.
+ * Which elements are kept: with tetrahedra, and cells that are split into them (cells.h), only
+ * those, and the surface is extracted from them; else triangles and quads. Quads beside triangles
+ * are cut in two, at their place in the file's order. Everything else is counted in the mesh's
+ * `skipped`.
  *
  * Groups grow by appending the nodes of their elements, so that each node comes many times. When a
  * group's list is full, a bit for each node gathers it into increasing order without repeats, and
@@ -14,6 +15,7 @@
  */
 #include "mesh/draft.h"
 
+#include "mesh/cells.h"
 #include "mesh/topology.h"
 #include "rt/each.h"
 #include "rt/memory.h"
@@ -132,33 +134,65 @@ int32_t ss_draft_find_node(const ss_draft *d, int64_t tag)
 int ss_draft_nodes(ss_mesh_kind kind)
 {
     static const int8_t count[SS_MESH_KIND_COUNT] = {
-        [SS_MESH_POINT] = 1,       [SS_MESH_LINE] = 2,          [SS_MESH_LINE_2] = 3,
-        [SS_MESH_TRIANGLE] = 3,    [SS_MESH_TRIANGLE_2] = 6,    [SS_MESH_QUAD] = 4,
-        [SS_MESH_TETRAHEDRON] = 4, [SS_MESH_TETRAHEDRON_2] = 10};
+        [SS_MESH_POINT] = 1,       [SS_MESH_LINE] = 2,           [SS_MESH_LINE_2] = 3,
+        [SS_MESH_TRIANGLE] = 3,    [SS_MESH_TRIANGLE_2] = 6,     [SS_MESH_QUAD] = 4,
+        [SS_MESH_TETRAHEDRON] = 4, [SS_MESH_TETRAHEDRON_2] = 10, [SS_MESH_HEXAHEDRON] = 8,
+        [SS_MESH_PRISM] = 6,       [SS_MESH_PYRAMID] = 5};
     return count[kind];
 }
 
 bool ss_draft_makes_mesh(ss_mesh_kind kind)
 {
-    return kind == SS_MESH_TRIANGLE || kind == SS_MESH_QUAD || kind == SS_MESH_TETRAHEDRON ||
-           kind == SS_MESH_TETRAHEDRON_2;
+    return kind == SS_MESH_TRIANGLE || kind == SS_MESH_QUAD || ss_draft_is_volume(kind);
+}
+
+bool ss_draft_is_volume(ss_mesh_kind kind)
+{
+    return kind >= SS_MESH_TETRAHEDRON && kind <= SS_MESH_PYRAMID;
+}
+
+/* "12 lines and 3 points" of what was found; empty when nothing was. */
+static void list_found(const ss_draft *d, char *out, size_t size)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (int kind = SS_MESH_KIND_COUNT - 1; kind >= SS_MESH_POINT; --kind) {
+        if (d->found[kind] > 0 && used < size) {
+            const long long count = (long long)d->found[kind];
+            used += (size_t)snprintf(out + used, size - used, "%s%lld %s", used > 0 ? " and " : "",
+                                     count, ss_mesh_kind_name((ss_mesh_kind)kind));
+        }
+    }
 }
 
 static void fault_no_elements(ss_draft *d, const char *other)
 {
-    int first = SS_MESH_POINT;
-    for (int kind = SS_MESH_KIND_COUNT - 1; kind > SS_MESH_POINT; --kind) {
-        first = d->found[kind] > 0 ? kind : first;
+    char found[256];
+    bool is_thin = true;
+    list_found(d, found, sizeof found);
+    for (int kind = SS_MESH_LINE_2 + 1; kind < SS_MESH_KIND_COUNT; ++kind) {
+        is_thin = is_thin && d->found[kind] == 0;
     }
-    char only[96] = "";
-    if (other == NULL && d->found[first] > 0) {
-        (void)snprintf(only, sizeof only, "only %s", ss_mesh_kind_name((ss_mesh_kind)first));
+    if (is_thin) {
+        ss_text_fault_file(
+            d->text, SOFTSIM_ERROR_FORMAT,
+            "it holds %s%sno triangle, quad or cell of a volume, so there is no body "
+            "in it: mesh its surface or its volume",
+            found, found[0] != '\0' ? " and " : "");
+        return;
     }
-    const char *what = other != NULL ? other : only;
     ss_text_fault_file(d->text, SOFTSIM_ERROR_FORMAT,
-                       "no triangles, quads or tetrahedra in it%s%s: mesh it so; surfaces of "
-                       "first order",
-                       what[0] != '\0' ? ", " : "", what);
+                       "it holds %s and nothing that makes a body%s%s: write triangles, quads, "
+                       "tetrahedra, hexahedra, prisms or pyramids of first order, or tetrahedra of "
+                       "second order",
+                       found, other != NULL ? ", " : "", other != NULL ? other : "");
+}
+
+static bool fault_too_many(ss_draft *d)
+{
+    ss_text_fault_file(d->text, SOFTSIM_ERROR_FORMAT,
+                       "more than 67 million elements are not read: simplify the mesh first");
+    return false;
 }
 
 bool ss_draft_make_elements(ss_draft *d, const char *other)
@@ -166,20 +200,27 @@ bool ss_draft_make_elements(ss_draft *d, const char *other)
     const int64_t triangles = d->found[SS_MESH_TRIANGLE];
     const int64_t quads = d->found[SS_MESH_QUAD];
     const int64_t second = d->found[SS_MESH_TETRAHEDRON_2];
-    const int64_t tetrahedra = d->found[SS_MESH_TETRAHEDRON] + second;
+    int64_t tetrahedra = d->found[SS_MESH_TETRAHEDRON] + second;
+    int64_t first = d->found[SS_MESH_TETRAHEDRON];
+    for (int kind = SS_MESH_HEXAHEDRON; kind <= SS_MESH_PYRAMID; ++kind) {
+        if (d->found[kind] > SS_DRAFT_MAX_COUNT) {
+            return fault_too_many(d);
+        }
+        tetrahedra += ss_mesh_cell_pieces((ss_mesh_kind)kind) * d->found[kind];
+        first += d->found[kind];
+    }
     if (d->node_count == 0 || triangles + quads + tetrahedra == 0) {
         fault_no_elements(d, other);
         return false;
     }
     if (triangles + 2 * quads > SS_DRAFT_MAX_COUNT || tetrahedra > SS_DRAFT_MAX_COUNT) {
-        ss_text_fault_file(d->text, SOFTSIM_ERROR_FORMAT,
-                           "more than 67 million elements are not read: simplify the mesh first");
-        return false;
+        return fault_too_many(d);
     }
-    if (second > 0 && second < tetrahedra) {
+    if (second > 0 && first > 0) {
         ss_text_fault_file(d->text, SOFTSIM_ERROR_FORMAT,
-                           "%lld tetrahedra of 4 nodes beside %lld of 10: mesh it all of one order",
-                           (long long)(tetrahedra - second), (long long)second);
+                           "%lld cells of first order beside %lld tetrahedra of 10 nodes: mesh it "
+                           "all of one order",
+                           (long long)first, (long long)second);
         return false;
     }
     const bool is_surface = tetrahedra == 0;
@@ -203,6 +244,29 @@ static bool fault_changed(ss_draft *d)
     return false;
 }
 
+/* Splits a cell; its missing pieces are those with a node twice. */
+static bool add_cell(ss_draft *d, ss_mesh_kind kind, const int32_t *node)
+{
+    static const char *const names[SS_MESH_KIND_COUNT] = {[SS_MESH_HEXAHEDRON] = "hexahedron",
+                                                          [SS_MESH_PRISM] = "prism",
+                                                          [SS_MESH_PYRAMID] = "pyramid"};
+    int32_t piece[SS_CELL_PIECES][4];
+    const int32_t most = ss_mesh_cell_pieces(kind);
+    if (d->tetrahedron_room - d->tetrahedron_count < most || d->middle != NULL) {
+        return fault_changed(d);
+    }
+    const int count = ss_mesh_split_cell(kind, (const double(*)[3])d->position, node, piece);
+    if (count <= 0) {
+        ss_text_fault(d->text, "a %s that %s: correct its nodes, or their order", names[kind],
+                      count < 0 ? "is folded (parts of it are inside out)" : "has no volume");
+        return d->text->fault_count < SS_TEXT_MAX_FAULTS;
+    }
+    memcpy(d->tetrahedron[d->tetrahedron_count], piece, (size_t)count * sizeof *piece);
+    d->tetrahedron_count += count;
+    d->tetrahedron_room -= most - count;
+    return true;
+}
+
 bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node, const int8_t *sides)
 {
     if (kind == SS_MESH_TETRAHEDRON || kind == SS_MESH_TETRAHEDRON_2) {
@@ -214,6 +278,8 @@ bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node, c
             d->middle[d->tetrahedron_count][sides[k]] = node[4 + k];
         }
         memcpy(d->tetrahedron[d->tetrahedron_count++], node, sizeof *d->tetrahedron);
+    } else if (ss_mesh_cell_pieces(kind) > 0) {
+        return add_cell(d, kind, node);
     } else if (d->tetrahedron_room > 0 || (kind != SS_MESH_TRIANGLE && kind != SS_MESH_QUAD)) {
         return true;
     } else if (d->quad_room > 0) {
@@ -501,9 +567,9 @@ static void count_skipped(const ss_draft *d, ss_mesh *mesh)
     const bool is_volume = d->tetrahedron_room > 0;
     for (int kind = 0; kind < SS_MESH_KIND_COUNT; ++kind) {
         const bool is_face = kind == SS_MESH_TRIANGLE || kind == SS_MESH_QUAD;
-        const bool is_kept =
-            kind == SS_MESH_TETRAHEDRON || kind == SS_MESH_TETRAHEDRON_2 || (is_face && !is_volume);
+        const bool is_kept = ss_draft_is_volume((ss_mesh_kind)kind) || (is_face && !is_volume);
         mesh->skipped[kind] = is_kept ? 0 : d->found[kind];
+        mesh->split[kind] = ss_mesh_cell_pieces((ss_mesh_kind)kind) > 0 ? d->found[kind] : 0;
     }
 }
 
@@ -540,7 +606,7 @@ static bool hand_over(ss_draft *d, ss_mesh *mesh)
 softsim_status ss_draft_finish(ss_draft *d, ss_mesh **out_mesh)
 {
     ss_mesh *mesh = ss_memory_get(1, sizeof *mesh);
-    bool is_done = mesh != NULL && hand_over(d, mesh);
+    bool is_done = mesh != NULL && hand_over(d, mesh) && ss_mesh_drop_unused(mesh);
     if (is_done && mesh->tetrahedron_count > 0) {
         ss_memory_free(mesh->triangle);
         mesh->triangle = NULL;

@@ -77,6 +77,8 @@ int32_t ss_draft_find_node(const ss_draft *d, int64_t tag);
 
 /* Nodes of an element that is kept, or names nodes for groups; 0 for other kinds. */
 int ss_draft_nodes(ss_mesh_kind kind);
+/* Tetrahedra, or a cell that is split into them. */
+bool ss_draft_is_volume(ss_mesh_kind kind);
 /* Does a file of nothing but this kind, or points and lines, make a mesh? */
 bool ss_draft_makes_mesh(ss_mesh_kind kind);
 /* Room for what was found; a fault when nothing was that makes a mesh. `other` says what else was

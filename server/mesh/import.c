@@ -46,6 +46,7 @@ typedef struct import {
     buffer out;          /* what the helper writes */
     char text[MAX_TEXT]; /* the start of what it says on stderr */
     size_t text_size;
+    const char *stopped; /* why it was killed by us; NULL: it was not */
 } import;
 
 /* ---- the helper program ---- */
@@ -200,8 +201,8 @@ static bool read_text(import *im, int fd)
     return count > 0 || (count < 0 && errno == EINTR);
 }
 
-/* Collects both streams until they end; false when out of time or bounds. */
-static bool collect(import *im, const int fd[2])
+/* Collects both streams until they end, or time or bounds do. */
+static void collect(import *im, const int fd[2])
 {
     struct pollfd polled[2] = {{.fd = fd[0], .events = POLLIN}, {.fd = fd[1], .events = POLLIN}};
     const int64_t deadline_ns = ss_clock_now_ns() + (int64_t)MAX_WALL_S * 1000000000;
@@ -210,7 +211,8 @@ static bool collect(import *im, const int fd[2])
         const int64_t left_ms = (deadline_ns - ss_clock_now_ns()) / 1000000;
         const int ready = left_ms > 0 ? poll(polled, 2, (int)left_ms) : 0;
         if (ready == 0 || (ready < 0 && errno != EINTR)) {
-            return false;
+            im->stopped = "took longer than its 60 s";
+            return;
         }
         if (ready > 0 && polled[0].revents != 0 && !read_output(&im->out, fd[0], &has_failed)) {
             polled[0].fd = -1;
@@ -219,14 +221,14 @@ static bool collect(import *im, const int fd[2])
             polled[1].fd = -1;
         }
         if (has_failed) {
-            return false;
+            im->stopped = "gave more than its 1 GiB";
+            return;
         }
     }
-    return true;
 }
 
 /* Runs the helper to its end, by force if need be. Returns false when it could not be run. */
-static bool run_program(import *im, const char *program, bool *out_is_complete, int *out_status)
+static bool run_program(import *im, const char *program, int *out_status)
 {
     pid_t pid = 0;
     int fd[2] = {-1, -1};
@@ -236,8 +238,8 @@ static bool run_program(import *im, const char *program, bool *out_is_complete, 
                           program, ss_files_reason(reason));
         return false;
     }
-    *out_is_complete = collect(im, fd);
-    if (!*out_is_complete) {
+    collect(im, fd);
+    if (im->stopped != NULL) {
         (void)kill(pid, SIGKILL);
     }
     (void)close(fd[0]);
@@ -279,11 +281,18 @@ static const char *first_line(import *im)
     return im->text[0] != '\0' ? im->text : "the importer gave no reason";
 }
 
-static softsim_status judge_end(import *im, bool is_complete, int status)
+/* What ended it is said as what it is: a limit or a fault of its own proves nothing of the file. */
+static softsim_status judge_end(import *im, int status)
 {
-    if (!is_complete || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) ||
-        (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)) {
-        return refuse(im, "reading it took too long or gave too much, it is damaged or too large");
+    char what[128];
+    if (im->stopped != NULL) {
+        (void)snprintf(what, sizeof what, "the importer %s and was stopped", im->stopped);
+        return refuse(im, what);
+    }
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+        (void)snprintf(what, sizeof what, "the importer used up its %d s of CPU time",
+                       (int)SS_IMPORT_MAX_CPU_S);
+        return refuse(im, what);
     }
     if (WIFSIGNALED(status) && strstr(first_line(im), "bad_alloc") != NULL) {
         softsim_error_add(im->error, SOFTSIM_ERROR_FORMAT,
@@ -292,7 +301,9 @@ static softsim_status judge_end(import *im, bool is_complete, int status)
         return SOFTSIM_ERROR_FORMAT;
     }
     if (WIFSIGNALED(status)) {
-        return refuse(im, "the importer crashed on it, it is damaged");
+        (void)snprintf(what, sizeof what, "the importer itself ended by signal %d (%s)",
+                       WTERMSIG(status), strsignal(WTERMSIG(status)));
+        return refuse(im, what);
     }
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
         const char *line = first_line(im);
@@ -381,11 +392,10 @@ static softsim_status read_mesh(const ss_mesh_file *file, ss_mesh **out_mesh)
     }
 import im = {.path = file->path, .metres_per_unit = file->metres_per_unit, .error = file->error };
     im.out.limit = SS_IMPORT_MAX_BYTES;
-    bool is_complete = false;
     int exit_status = 0;
     softsim_status status = SOFTSIM_ERROR_SYSTEM;
-    if (run_program(&im, program, &is_complete, &exit_status)) {
-        status = judge_end(&im, is_complete, exit_status);
+    if (run_program(&im, program, &exit_status)) {
+        status = judge_end(&im, exit_status);
         if (status == SOFTSIM_OK) {
             status = unpack(&im, out_mesh);
         }

@@ -281,6 +281,7 @@ double ss_mesh_radius(const ss_mesh *mesh, double out_middle[3])
 int32_t ss_mesh_node_normal(const ss_mesh *mesh, int32_t node, double out_normal[3])
 {
     int32_t count = 0;
+    double first[3] = {0.0, 0.0, 0.0};
     ss_set3(out_normal, 0.0, 0.0, 0.0);
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *c = mesh->triangle[t];
@@ -288,8 +289,13 @@ int32_t ss_mesh_node_normal(const ss_mesh *mesh, int32_t node, double out_normal
             double n[3];
             ss_normal3(n, mesh->position[c[0]], mesh->position[c[1]], mesh->position[c[2]]);
             ss_add3(out_normal, out_normal, n);
-            ++count;
+            if (count++ == 0) {
+                ss_copy3(first, n);
+            }
         }
+    }
+    if (!(ss_norm3(out_normal) > 1e-9 * ss_norm3(first))) { /* where parts of a body touch */
+        ss_copy3(out_normal, first);
     }
     return ss_normalize3(out_normal) > 0.0 ? count : 0;
 }

@@ -5,9 +5,9 @@
  * Meshes at rest: nodes, triangles, quads and tetrahedra, fixed after load.
  *
  * In: a file (OBJ STL PLY GLB through the helper program softsim-import, which runs assimp in a
- * process of its own with limits on memory and time; Gmsh MSH 1, 2.2 and 4.1 in ASCII, TetGen's
- * .node and .ele, VTK legacy and XML by our own bounded readers, in double, numbering kept) and the
- * unit of its lengths. Out: SI coordinates, 0-based numbers in file order (never the file's tags).
+ * process of its own with limits on memory and time; Gmsh MSH 1, 2.2 and 4.1 in ASCII, OFF, TetGen,
+ * VTK legacy and XML by our own bounded readers, in double, numbering kept, hexahedra and the like
+ * split) and the unit of its lengths. Out: SI coordinates, 0-based numbers in file order, no tags.
  * The surface of a volume mesh is extracted and wound counter-clockwise seen from outside. Memory
  * belongs to the mesh.
  * Thread: set-up only, but a finished mesh is read-only and may be read from any thread.
@@ -36,11 +36,11 @@ typedef enum ss_mesh_kind {
     SS_MESH_QUAD,
     SS_MESH_TETRAHEDRON,
     SS_MESH_TETRAHEDRON_2,
-    SS_MESH_POLYGON, /* of other corners, strips, pixels */
-    SS_MESH_TRIANGLE_2,
     SS_MESH_HEXAHEDRON,
     SS_MESH_PRISM,
     SS_MESH_PYRAMID,
+    SS_MESH_POLYGON, /* of other corners, strips, pixels */
+    SS_MESH_TRIANGLE_2,
     SS_MESH_HIGHER_ORDER,
     SS_MESH_OTHER,
     SS_MESH_KIND_COUNT
@@ -65,16 +65,19 @@ typedef struct ss_mesh {
      * quad q, 2q and 2q + 1. */
     int32_t (*quad)[4];
     ss_mesh_group *group;
-    bool is_closed; /* every edge has two triangles */
+    bool is_closed; /* every edge has two triangles, or more that fall into pairs */
     /* Faces of more than three corners that were cut into triangles as the file was read, because
      * not all of its faces are quads. */
     int32_t cut_face_count;
     /* After ss_mesh_renumber: the file's number of each node, and of each element as
      * ss_mesh_element_count counts them; NULL where every number is the file's. */
     int32_t *file_node, *file_element;
-    /* Vertices of an OBJ file that lay on another and were joined with it as the file was read, and
-     * that no face has, left out. */
+    /* Vertices of an OBJ file that lay on another and were joined with it as the file was read; and
+     * nodes of any file that no element has, left out: numbers close up. */
     int32_t joined_node_count, unused_node_count;
+    /* Hexahedra, prisms and pyramids of the file, by kind, that were split into tetrahedra: a
+     * cell's stand in a row, at its place in the file's order. */
+    int64_t split[SS_MESH_KIND_COUNT];
     /* Elements of the file that are no part of the mesh, by kind. Points, lines, and faces beside
      * tetrahedra (TRIANGLE, QUAD, POLYGON, TRIANGLE_2) only name nodes for groups; where others are
      * counted the body has gaps. */
@@ -185,6 +188,8 @@ typedef struct ss_mesh_report {
         short_edge, non_manifold_edge, open_edge, inconsistent_winding;
     ss_mesh_fault inverted_tetrahedron, flat_tetrahedron;
     ss_mesh_fault non_manifold_node; /* the triangles around it form more than one fan */
+    /* Of a volume, whose surface touches itself there; no fault: ss_mesh_pair_sides. */
+    ss_mesh_fault pinched_edge, pinched_node;
     ss_mesh_fault duplicate_tetrahedron, crowded_face; /* a face of more than two tetrahedra */
     /* Of second order: sides whose tetrahedra have different middle nodes; nodes in the middle of
      * two sides, or at a corner too; tetrahedra of a volume that their middle nodes turn inside out
@@ -231,6 +236,13 @@ typedef struct ss_mesh_quality {
     int64_t histogram[SS_MESH_ANGLE_BINS]; /* elements by their least dihedral angle, or angle */
 } ss_mesh_quality;
 void ss_mesh_measure_quality(const ss_mesh *mesh, ss_mesh_quality *out);
+
+/* The side of the triangle with which the surface goes on over each side 3 t + c, from corner c of
+ * triangle t to the next; -1 on a boundary. Where a volume touches itself in an edge, the surface
+ * goes on along the same piece of the body (pinch.c); triangles around a node that are joined by
+ * such pairs are one fan. out_unpaired: a side of an edge whose triangles cannot be paired, since
+ * they are not wound in turn; -1: none. False when out of memory. */
+bool ss_mesh_pair_sides(const ss_mesh *mesh, int32_t *out_twin, int32_t *out_unpaired);
 
 /* The loops of open edges: count and lowest node of each. False when out of memory. */
 bool ss_mesh_find_holes(const ss_mesh *mesh, ss_mesh_fault *out_hole);

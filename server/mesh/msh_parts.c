@@ -24,6 +24,10 @@ static const struct {
     {SS_MESH_HIGHER_ORDER, "second-order prism"},
     {SS_MESH_HIGHER_ORDER, "second-order pyramid"},
     {SS_MESH_POINT, "point"},
+    {SS_MESH_HIGHER_ORDER, "second-order quadrangle"},
+    {SS_MESH_HIGHER_ORDER, "second-order hexahedron"},
+    {SS_MESH_HIGHER_ORDER, "second-order prism"},
+    {SS_MESH_HIGHER_ORDER, "second-order pyramid"},
 };
 enum { TYPE_COUNT = sizeof types / sizeof types[0], TYPE_LAST = 140 /* that Gmsh numbers */ };
 
@@ -53,8 +57,7 @@ int32_t ss_msh_find_node(const ss_msh *r, int64_t index, int64_t number)
 void ss_msh_note_other(ss_msh *r, int64_t index, int64_t type)
 {
     const ss_mesh_kind kind = ss_msh_kind(type);
-    const bool is_other =
-        !ss_draft_makes_mesh(kind) && kind != SS_MESH_POINT && kind != SS_MESH_LINE;
+    const bool is_other = !ss_draft_makes_mesh(kind) && kind > SS_MESH_LINE_2;
     if (is_other && r->other[0] == '\0') {
         (void)snprintf(r->other, sizeof r->other, "element %lld (line %d) is of type %lld (%s)",
                        (long long)index, r->text->line, (long long)type, ss_msh_type_name(type));
@@ -63,18 +66,10 @@ void ss_msh_note_other(ss_msh *r, int64_t index, int64_t type)
 
 int32_t ss_msh_dimension(ss_mesh_kind kind)
 {
-    switch (kind) {
-    case SS_MESH_POINT:
-        return 0;
-    case SS_MESH_LINE:
-    case SS_MESH_LINE_2:
-        return 1;
-    case SS_MESH_TETRAHEDRON:
-    case SS_MESH_TETRAHEDRON_2:
-        return 3;
-    default:
-        return 2;
-    }
+    return ss_draft_is_volume(kind)                         ? 3
+           : kind == SS_MESH_POINT                          ? 0
+           : kind == SS_MESH_LINE || kind == SS_MESH_LINE_2 ? 1
+                                                            : 2;
 }
 
 int32_t ss_msh_find_group(ss_msh *r, int32_t dimension, int64_t number)

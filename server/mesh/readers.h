@@ -47,6 +47,8 @@ const char *ss_mesh_extension(const char *path);
 
 /* Gmsh MSH, ASCII: versions 1, 2.0 to 2.2 and 4.1. */
 ss_mesh_parser ss_mesh_parse_msh;
+/* OFF, ASCII. */
+ss_mesh_parser ss_mesh_parse_off;
 /* Legacy VTK, ASCII or binary. */
 ss_mesh_parser ss_mesh_parse_vtk;
 /* VTK's XML UnstructuredGrid, ASCII. */

@@ -306,6 +306,12 @@ static void add_triangle(ss_mesh_part *part, const double origin[3], const doubl
     }
 }
 
+/* Does the surface go on over the edge: two triangles, or more that can be paired? */
+static bool goes_on(const ss_mesh *mesh, const ss_mesh_tuples *edges, int64_t begin, int64_t end)
+{
+    return end - begin == 2 || ss_mesh_is_even(mesh, edges, begin, end);
+}
+
 bool ss_mesh_measure_parts(const ss_mesh *mesh, const int32_t *part, int32_t part_count,
                            const ss_mesh_tuples *edges, ss_mesh_part *parts,
                            bool *out_is_inside_out)
@@ -328,7 +334,7 @@ bool ss_mesh_measure_parts(const ss_mesh *mesh, const int32_t *part, int32_t par
     }
     for (int64_t i = 0; i < edges->count;) {
         const int64_t end = ss_mesh_run_end(edges, i);
-        if (end - i != 2) {
+        if (!goes_on(mesh, edges, i, end)) {
             parts[part[edges->tuple[i].node[0]]].is_open = true;
         }
         i = end;
@@ -403,7 +409,7 @@ bool ss_mesh_find_closed(ss_mesh *mesh)
     mesh->is_closed = edges.count > 0;
     for (int64_t i = 0; i < edges.count;) {
         const int64_t end = ss_mesh_run_end(&edges, i);
-        mesh->is_closed = mesh->is_closed && end - i == 2;
+        mesh->is_closed = mesh->is_closed && goes_on(mesh, &edges, i, end);
         i = end;
     }
     ss_mesh_tuples_fini(&edges);

@@ -37,6 +37,8 @@ void ss_mesh_tuples_fini(ss_mesh_tuples *tuples);
 /* The end of the run of equal tuples that starts at `begin`. */
 int64_t ss_mesh_run_end(const ss_mesh_tuples *tuples, int64_t begin);
 
+/* Do as many of these triangles run along the edge, tuples begin to end, one way as the other? */
+bool ss_mesh_is_even(const ss_mesh *mesh, const ss_mesh_tuples *edges, int64_t begin, int64_t end);
 /* Node of corner c of triangle t runs to the node of corner c + 1; is that ascending? */
 bool ss_mesh_edge_is_ascending(const ss_mesh *mesh, int32_t id);
 
@@ -57,6 +59,9 @@ double ss_mesh_twin_reach(const ss_mesh *mesh, double mean_edge);
 /* The lower node within `reach` of each node, or -1; that node has none itself. Only among those
  * that `is_used` is true of; NULL: all. False when out of memory. */
 bool ss_mesh_find_twins(const ss_mesh *mesh, double reach, const bool *is_used, int32_t *out_twin);
+
+/* Leaves out nodes that no element has; indices must be good. False when out of memory. */
+bool ss_mesh_drop_unused(ss_mesh *mesh);
 
 /* Below these times the square and cube of the mean edge, elements have no area or volume. */
 #define SS_MESH_FLAT_AREA   1e-6

@@ -213,6 +213,7 @@ static const struct {
 };
 enum {
     TYPE_POLYGON = 7,
+    TYPE_VOXEL = 11, /* corners by rows, not around */
     TYPE_COUNT = sizeof types / sizeof types[0],
     FIRST_QUADRATIC = TYPE_COUNT,
     LAST_QUADRATIC = 37,
@@ -315,10 +316,15 @@ static bool next_size(reader *r, const ss_vtk_section *section, int64_t i, int64
 }
 
 /* `cell` counts over all sections. */
+static int32_t type_of(const reader *r, const ss_vtk_section *section, int64_t cell)
+{
+    return section->cell_type >= 0 ? section->cell_type : r->type[cell];
+}
+
 static bool next_kind(reader *r, const ss_vtk_section *section, int64_t cell, int64_t size,
                       ss_mesh_kind *out)
 {
-    const int32_t type = section->cell_type >= 0 ? section->cell_type : r->type[cell];
+    const int32_t type = type_of(r, section, cell);
     if (!find_kind(type, size, out)) {
         ss_text_fault(r->text, "cell %lld, of type %d (%s), has %lld nodes: it must have %d",
                       (long long)cell, type, ss_mesh_kind_name(*out), (long long)size,
@@ -403,14 +409,20 @@ static bool mark_node(reader *r, int64_t cell, int32_t node)
     return true;
 }
 
+static void swap_nodes(int32_t *a, int32_t *b)
+{
+    const int32_t swap = *a;
+    *a = *b;
+    *b = swap;
+}
+
 static bool read_cell(reader *r, const ss_vtk_section *section, int64_t cell, int64_t size,
                       ss_mesh_kind kind)
 {
     /* Faces of any kind beside tetrahedra name nodes. */
-    const int64_t *found = r->draft->found;
-    const bool is_volume = found[SS_MESH_TETRAHEDRON] + found[SS_MESH_TETRAHEDRON_2] > 0;
+    const bool is_volume = r->draft->tetrahedron_room > 0;
     const bool is_face = kind == SS_MESH_POLYGON || kind == SS_MESH_TRIANGLE_2;
-    const bool names = kind <= SS_MESH_TETRAHEDRON_2 || (is_face && is_volume);
+    const bool names = kind <= SS_MESH_PYRAMID || (is_face && is_volume);
     int32_t node[SS_DRAFT_MAX_NODES] = {0};
     bool is_good = true;
     for (int64_t k = 0; k < size; ++k) {
@@ -435,6 +447,10 @@ static bool read_cell(reader *r, const ss_vtk_section *section, int64_t cell, in
         if (names && !mark_node(r, cell, (int32_t)index)) {
             return false;
         }
+    }
+    if (type_of(r, section, cell) == TYPE_VOXEL) {
+        swap_nodes(&node[2], &node[3]);
+        swap_nodes(&node[6], &node[7]);
     }
     return is_good ? ss_draft_add_element(r->draft, kind, node, ss_mesh_sides_of_vtk)
                    : r->text->fault_count < SS_TEXT_MAX_FAULTS;

@@ -120,7 +120,7 @@ static const ss_scene_row grid_row[] = {
         .choices = "none|rows|columns", .needs = "file"),
 };
 static const ss_scene_row object_row[] = {
-    ROW(FILE, "mesh", "surface (OBJ STL PLY GLB MSH VTK) or volume (MSH, TetGen, VTK)",
+    ROW(FILE, "mesh", "surface (OBJ STL PLY OFF GLB MSH VTK) or volume (MSH, TetGen, VTK)",
         .one_of = 'M', .example = "organ.msh"),
     KEYS("grid", TABLE(grid_row), .one_of = 'M',
          .example = "{cylinder: {rows: 15, columns: 24, radius_m: 0.02, length_m: 0.1}}"),

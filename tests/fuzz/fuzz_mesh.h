@@ -85,6 +85,7 @@ static void examine_mesh(ss_mesh *mesh)
     examine_changes(mesh, is_usable);
     require(ss_mesh_orient(mesh) >= 0);
     require(ss_mesh_orient(mesh) == 0 || report.non_manifold_edge.count > 0 ||
+            report.pinched_edge.count > 0 || report.pinched_node.count > 0 ||
             report.inconsistent_winding.count > 0 || report.zero_area.count > 0 ||
             !isfinite(report.volume));
     if (is_usable) {

@@ -133,6 +133,51 @@
     "<DataArray type=\"UInt8\" Name=\"types\">24</DataArray></Cells></Piece></UnstructuredGrid>"   \
     "</VTKFile>\n"
 
+/* A unit cube, a prism of half its volume beside it, a pyramid of a third on it and a tetrahedron
+ * of a sixth on the prism's end: 6 + 3 + 2 + 1 tetrahedra. In MSH nodes are numbered downwards; the
+ * VTK files have the cube as a voxel and wind the prism the other way. */
+#define CELL_PLACES(n1, n2, n3, n4, n5, n6, n7, n8, n9, n10, n11, n12)                             \
+    n12 "1 -1 0\n" n11 "0.5 0.5 2\n" n10 "2 1 0\n" n9 "2 0 0\n" n8 "0 1 1\n" n7 "1 1 1\n" n6       \
+        "1 0 1\n" n5 "0 0 1\n" n4 "0 1 0\n" n3 "1 1 0\n" n2 "1 0 0\n" n1 "0 0 0\n"
+#define CELL_BARE CELL_PLACES("", "", "", "", "", "", "", "", "", "", "", "")
+#define CELL_NODES2                                                                                \
+    "$Nodes\n12\n" CELL_PLACES("1 ", "2 ", "3 ", "4 ", "5 ", "6 ", "7 ", "8 ", "9 ", "10 ", "11 ", \
+                               "12 ") "$EndNodes\n"
+#define CELL_ELEMENTS2                                                                             \
+    "$Elements\n4\n1 5 2 5 1 1 2 3 4 5 6 7 8\n2 6 2 5 1 2 6 9 3 7 10\n3 7 2 5 1 5 6 7 8 11\n"      \
+    "4 4 2 0 1 2 9 6 12\n$EndElements\n"
+#define CELL_MSH4                                                                                  \
+    HEAD4 "$Nodes\n1 12 1 12\n3 1 0 12\n12\n11\n10\n9\n8\n7\n6\n5\n4\n3\n2\n1\n" CELL_BARE         \
+          "$EndNodes\n$Elements\n4 4 1 4\n3 1 5 1\n1 1 2 3 4 5 6 7 8\n3 1 6 1\n2 2 6 9 3 7 10\n"   \
+          "3 1 7 1\n3 5 6 7 8 11\n3 1 4 1\n4 2 9 6 12\n$EndElements\n"
+#define CELL_VTK                                                                                   \
+    GRID3 "POINTS 12 double\n" CELL_BARE "CELLS 4 27\n8 11 10 8 9 7 6 4 5\n6 10 3 6 9 2 5\n"       \
+          "5 7 6 5 4 1\n4 10 3 6 0\nCELL_TYPES 4\n11\n13\n14\n10\n"
+#define CELL_VTU                                                                                   \
+    "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>"                                        \
+    "<Piece NumberOfPoints=\"12\" NumberOfCells=\"4\"><Points><DataArray type=\"Float64\" "        \
+    "NumberOfComponents=\"3\">" CELL_BARE "</DataArray></Points><Cells>"                           \
+    "<DataArray type=\"Int64\" Name=\"connectivity\">11 10 8 9 7 6 4 5 10 3 6 9 2 5 7 6 5 4 1 "    \
+    "10 3 6 0</DataArray><DataArray type=\"Int64\" Name=\"offsets\">8 14 19 23</DataArray>"        \
+    "<DataArray type=\"UInt8\" Name=\"types\">11 13 14 10</DataArray></Cells></Piece>"             \
+    "</UnstructuredGrid></VTKFile>\n"
+#define CELLS      "12 nodes 20 triangles 12 tetrahedra volume 2"
+#define CELL_KINDS " /hexahedra 1 /prisms 1 /pyramids 1"
+
+/* OFF: a tetrahedron; with colours, comments and counts behind the word; a cube of quads; a prism
+ * over a five-sided face with a dent, of area 2.5. */
+#define OFF_PLACES "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+#define OFF_FACES  "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n"
+#define OFF_COLOURED                                                                               \
+    "COFF 4 4 0 # by hand\n\n0 0 0 255 0 0 255\n1 0 0 1 1 1 1\n# 1\n0 1 0 0 0 0 1\n"               \
+    "0 0 1 0 0 0 0\n3 0 2 1 255 0 0\n3 0 1 3 0.5 0.5 0.5 1 # a colour\n3 1 2 3\n\n3 2 0 3 7\n"
+#define OFF_CUBE                                                                                   \
+    "OFF\n8 6\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n4 0 3 2 1\n4 4 5 6 7\n"     \
+    "4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n"
+#define OFF_PRISM                                                                                  \
+    "OFF\n10 7 0\n0 0 0\n2 0 0\n2 2 0\n1 0.5 0\n0 2 0\n0 0 1\n2 0 1\n2 2 1\n1 0.5 1\n0 2 1\n"      \
+    "5 4 3 2 1 0\n5 5 6 7 8 9\n4 0 1 6 5\n4 1 2 7 6\n4 2 3 8 7\n4 3 4 9 8\n4 4 0 5 9\n"
+
 /* ---- the table ---- */
 
 typedef enum change {
@@ -173,11 +218,39 @@ static const file_case cases[] = {
     PLAIN("mixed.msh",
           HEAD2 NODES2
           "$Elements\n2\n1 5 2 0 0 1 2 30 7 1 2 30 7\n2 4 2 0 0 1 2 30 7\n$EndElements\n",
-          "5 nodes 4 triangles 1 tetrahedra volume 0.166667 -hexahedra 1"),
+          "!mixed.msh:14: a hexahedron that has no volume: correct its nodes, or their order"),
+    PLAIN("left.msh",
+          HEAD2 NODES2 "$Elements\n2\n1 16 2 0 0 1 2 30 7 1 2 30 7\n2 4 2 0 0 1 2 30 7\n"
+                       "$EndElements\n",
+          "4 nodes 4 triangles 1 tetrahedra volume 0.166667 -elements of higher order 1 unused 1"),
     PLAIN("quads.msh", HEAD2 NODES2 "$Elements\n1\n1 3 2 0 0 1 2 30 7\n$EndElements\n",
-          "5 nodes 2 triangles 1 quads"),
+          "4 nodes 2 triangles 1 quads unused 1"),
+    PLAIN("lines.msh",
+          HEAD2 NODES2 "$Elements\n3\n1 1 2 0 0 1 2\n2 1 2 0 0 2 7\n3 15 2 0 0 7\n$EndElements\n",
+          "!lines.msh: it holds 2 lines and 1 points and no triangle, quad or cell of a volume, so "
+          "there is no body in it"),
     PLAIN("hexahedra.msh", HEAD2 NODES2 "$Elements\n1\n1 5 2 0 0 1 2 30 7 1 2 30 7\n$EndElements\n",
-          "!element 0 (line 14) is of type 5 (hexahedron): mesh it so"),
+          "!hexahedra.msh:14: a hexahedron that has no volume"),
+    PLAIN("second-hexahedra.msh", HEAD2 NODES2 "$Elements\n1\n1 17 2 0 0 1 2 30 7\n$EndElements\n",
+          "!it holds 1 elements of higher order and nothing that makes a body, element 0 (line 14) "
+          "is of type 17 (second-order hexahedron): write triangles, quads"),
+    /* Cells that are split: a cube, a prism beside it, a pyramid on it, a tetrahedron on the prism
+     */
+    PLAIN("cells.msh", HEAD2 CELL_NODES2 CELL_ELEMENTS2, CELLS " {volume-5 11}" CELL_KINDS),
+    CHANGED("cells-crlf.msh", HEAD2 CELL_NODES2 CELL_ELEMENTS2, CRLF,
+            CELLS " {volume-5 11}" CELL_KINDS),
+    PLAIN("cells-four.msh", CELL_MSH4, CELLS CELL_KINDS),
+    PLAIN("cells.vtk", CELL_VTK, CELLS CELL_KINDS),
+    PLAIN("cells.vtu", CELL_VTU, CELLS CELL_KINDS),
+    PLAIN("cell-short.msh",
+          HEAD2 CELL_NODES2 "$Elements\n1\n1 5 2 0 0 1 2 3 4 5 6 7\n$EndElements\n",
+          "!element 0, a hexahedron: its tags and then 8 node numbers expected here"),
+    PLAIN("cell-folded.msh",
+          HEAD2 CELL_NODES2 "$Elements\n1\n1 5 2 0 0 1 2 4 3 5 6 7 8\n$EndElements\n",
+          "!cell-folded.msh:21: a hexahedron that is folded (parts of it are inside out)"),
+    PLAIN("cell-collapsed.msh",
+          HEAD2 CELL_NODES2 "$Elements\n1\n1 5 2 0 0 1 2 4 4 5 6 8 8\n$EndElements\n",
+          "6 nodes 8 triangles 3 tetrahedra volume 0.5 /hexahedra 1 unused 6"),
     CUT_AT("cut-nodes.msh", MSH2, "30 0 1 0\n", "!cut-nodes.msh:10: 5 nodes announced, but"),
     CUT_AT("cut-names.msh", MSH2, "\"ba", "!a name in quotes"),
     CUT_AT("cut-element.msh", MSH2, "4 4 2 1 1 1",
@@ -242,7 +315,8 @@ static const file_case cases[] = {
           "!type 30 (no triangle or tetrahedron)"),
     PLAIN("four-triangles.msh",
           HEAD4 NODES4 "$Elements\n1 1 1 1\n2 1 9 1\n1 1 2 30 7 1 2\n$EndElements\n",
-          "!type 9 (second-order triangle): mesh it so; surfaces of first order"),
+          "!it holds 1 triangles of second order and nothing that makes a body, element 0 (line "
+          "21) is of type 9 (second-order triangle): write"),
     /* Second order */
     PLAIN("second.msh", SECOND2,
           TEN " {edge 3} {face 6} {volume-1 10} -lines of second order 1 "
@@ -263,7 +337,7 @@ static const file_case cases[] = {
     PLAIN("both.msh",
           HEAD2 TEN_NODES2 "$Elements\n2\n1 11 2 0 0 1 2 3 4 5 6 7 8 9 10\n2 4 2 0 0 1 2 3 4\n"
                            "$EndElements\n",
-          "!1 tetrahedra of 4 nodes beside 1 of 10: mesh it all of one order"),
+          "!1 cells of first order beside 1 tetrahedra of 10 nodes: mesh it all of one order"),
     PLAIN("second.vtk", SECONDVTK, TEN " {region=2 10} {region=3 6} -triangles of second order 1"),
     PLAIN("second-short.vtk",
           GRID3 TEN_POINTS "CELLS 1 10\n9 0 1 2 3 4 5 6 7 8\nCELL_TYPES 1\n24\n",
@@ -273,6 +347,36 @@ static const file_case cases[] = {
          TEN " {region=5 10}"),
     PAIR("s2.ele", "1 10 0\n1 1 2 3 4 5 6 7 8 9\n", AS_IS, NULL, "s2.node", TEN_NODE1,
          "!tetrahedron 0: its number, 10 points and 0 regions expected here"),
+    /* OFF */
+    PLAIN("tetrahedron.off", "OFF\n4 4 6\n" OFF_PLACES OFF_FACES, TETRA),
+    CHANGED("crlf.off", "OFF\n4 4 6\n" OFF_PLACES OFF_FACES, CRLF, TETRA),
+    CHANGED("no-end.off", "OFF\n4 4 6\n" OFF_PLACES OFF_FACES, NO_END, TETRA),
+    PLAIN("coloured.off", OFF_COLOURED, TETRA),
+    PLAIN("any-name.txt", "# by hand\nOFF4 4 6\n" OFF_PLACES OFF_FACES, TETRA),
+    PLAIN("bare.off", "4 4 0\n" OFF_PLACES OFF_FACES, TETRA),
+    PLAIN("normals.off",
+          "NOFF\n4 4 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n0 0 1 0 0 1\n" OFF_FACES, TETRA),
+    PLAIN("cube.off", OFF_CUBE, "8 nodes 12 triangles 6 quads volume 1"),
+    PLAIN("prism.off", OFF_PRISM, "10 nodes 16 triangles volume 2.5"),
+    PLAIN("lines.off", "OFF\n4 2 0\n" OFF_PLACES "2 0 1\n2 1 2\n",
+          "!lines.off: it holds 2 lines and no triangle, quad or cell"),
+    PLAIN("points.off", "OFF\n4 0 0\n" OFF_PLACES, "!points.off: it holds no triangle, quad"),
+    PLAIN("unused.off", "OFF\n5 4 6\n9 9 9\n" OFF_PLACES "3 1 3 2\n3 1 2 4\n3 2 3 4\n3 3 1 4\n",
+          TETRA " unused 1"),
+    PLAIN("binary.off", "OFF BINARY\n", "!binary.off:1: binary OFF is not read: write it as ASCII"),
+    PLAIN("four.off", "4OFF\n1 1 0\n0 0 0 1\n1 0\n", "!this kind of OFF is not read"),
+    PLAIN("range.off", "OFF\n4 1 0\n" OFF_PLACES "3 0 1 4\n",
+          "!range.off:7: face 0: 3 vertices, numbered from 0 to 3, expected here"),
+    PLAIN("short.off", "OFF\n4 1 0\n" OFF_PLACES "4 0 1 2\n",
+          "!short.off:7: face 0: 4 vertices, numbered from 0 to 3, expected here"),
+    PLAIN("nan.off", "OFF\n4 1 0\n0 nan 0\n" OFF_PLACES "3 0 1 2\n",
+          "!nan.off:3: node 0: its position is not finite"),
+    PLAIN("absurd.off", "OFF\n60000000 60000000 0\n" OFF_PLACES OFF_FACES,
+          "!60000000 vertices and 60000000 faces announced"),
+    PLAIN("corners.off", "OFF\n4 1 0\n" OFF_PLACES "2000 0 1 2\n",
+          "!face 0 of 1: the number of its vertices (1 to 1024)"),
+    CUT_AT("cut.off", "OFF\n4 4 6\n" OFF_PLACES OFF_FACES, "3 0 1 3\n",
+           "!face 2 of 4: the number of its vertices"),
     /* TetGen */
     PAIR("t1.node", NODE1, AS_IS, NULL, "t1.ele", ELE1, BODY_TET1),
     PAIR("t2.1.ele", ELE1, AS_IS, NULL, "t2.1.node", NODE1, BODY_TET1),
@@ -300,7 +404,7 @@ static const file_case cases[] = {
     PAIR("more.ele", ELE0 "2 0 1 2 3\n", AS_IS, NULL, "more.node", NODE0,
          "!more.ele:4: more than the 2 tetrahedra announced"),
     PAIR("none.ele", "0 4 0\n", AS_IS, NULL, "none.node", NODE0,
-         "!none.ele: no triangles, quads or tetrahedra in it"),
+         "!none.ele: it holds no triangle, quad or cell of a volume, so there is no body in it"),
     PAIR("inf.node", "1 3 0 0\n0 0 inf 0\n", AS_IS, NULL, "inf.ele", ELE0,
          "!inf.node:2: node 0: its position is not finite"),
     PAIR("negative.node", "1 3 0 0\n-1 0 0 0\n", AS_IS, NULL, "negative.ele", ELE0,
@@ -326,7 +430,7 @@ static const file_case cases[] = {
           GRID3 POINTS
           "CELLS 4 24\n4 0 1 2 3\n8 0 1 2 3 0 1 2 3\n3 0 1 2\n5 0 1 2 3 4\nCELL_TYPES 4\n"
           "10\n12\n5\n14\n",
-          "5 nodes 4 triangles 1 tetrahedra volume 0.166667 -triangles 1 -hexahedra 1 -pyramids 1"),
+          "!kinds.vtk:11: a hexahedron that has no volume: correct its nodes"),
     PLAIN("surface.vtk", POLY POLYGONS, TETRA),
     PLAIN("surface5.vtk",
           VTK5 "DATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\nPOLYGONS 5 12\nOFFSETS "
@@ -340,7 +444,7 @@ static const file_case cases[] = {
     PLAIN("quads.vtk", POLY "POLYGONS 1 5\n4 0 1 2 3\n", "4 nodes 2 triangles 1 quads"),
     PLAIN("faces.vtk", POLY "POLYGONS 2 9\n4 0 1 2 3\n3 0 1 2\n", "4 nodes 3 triangles"),
     PLAIN("pentagon.vtk", VTK3 "DATASET POLYDATA\n" POINTS "POLYGONS 2 10\n3 0 1 2\n5 0 1 2 3 4\n",
-          "5 nodes 1 triangles -polygons and strips 1"),
+          "3 nodes 1 triangles -polygons and strips 1 unused 2"),
     PLAIN("arrays.vtk",
           POLY POLYGONS
           "POINT_DATA 4\nSCALARS t float\nLOOKUP_TABLE mine\n1 2 3 nan\nLOOKUP_TABLE mine "
@@ -380,7 +484,9 @@ static const file_case cases[] = {
           "1 4\nCELL_TYPES 2\n10 10\n",
           "!cell 1: its offset, not less than 4"),
     PLAIN("hexahedra.vtk", GRID3 POINTS "CELLS 1 9\n8 0 1 2 3 0 1 2 3\nCELL_TYPES 1\n12\n",
-          "!no triangles, quads or tetrahedra in it, only hexahedra: mesh it so"),
+          "!hexahedra.vtk:10: a hexahedron that has no volume"),
+    PLAIN("lines.vtk", POLY "LINES 2 6\n2 0 1\n2 1 2\n",
+          "!lines.vtk: it holds 2 lines and no triangle, quad or cell of a volume"),
     PLAIN("no-cells.vtk", GRID3 POINTS, "!no cells in it"),
     PLAIN("types.vtk", GRID3 POINTS "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 2\n10 10\n",
           "!2 types of 1 cells"),
@@ -555,6 +661,13 @@ static void summarise(const ss_mesh *m, char *out, size_t size)
             used += snprintf(out + used, size - (size_t)used, " -%s %lld",
                              ss_mesh_kind_name((ss_mesh_kind)k), (long long)m->skipped[k]);
         }
+        if (m->split[k] > 0) {
+            used += snprintf(out + used, size - (size_t)used, " /%s %lld",
+                             ss_mesh_kind_name((ss_mesh_kind)k), (long long)m->split[k]);
+        }
+    }
+    if (m->unused_node_count > 0) {
+        (void)snprintf(out + used, size - (size_t)used, " unused %d", m->unused_node_count);
     }
 }
 
@@ -609,7 +722,9 @@ static softsim_status parse_texts(const file_case *c, const char *data, ss_text 
         const bool is_node = strstr(c->name, "node") != NULL || strstr(c->name, "NODE") != NULL;
         return ss_mesh_parse_tetgen(is_node ? text : other, is_node ? other : text, 1.0, out);
     }
+    const bool is_off = strstr(c->name, ".off") != NULL || strncmp(data, "# by hand", 9) == 0;
     return strstr(data, "<VTKFile") != NULL ? ss_mesh_parse_vtu(text, 1.0, out)
+           : is_off                         ? ss_mesh_parse_off(text, 1.0, out)
            : strncmp(data, "# vtk", 5) == 0 ? ss_mesh_parse_vtk(text, 1.0, out)
                                             : ss_mesh_parse_msh(text, 1.0, out);
 }

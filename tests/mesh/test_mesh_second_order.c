@@ -349,7 +349,7 @@ TEST(every_format_gives_each_side_its_own_middle)
         assert_true(formats[f].volume == NULL || group_size(m, formats[f].volume) == 10);
         assert_true(formats[f].face == NULL || group_size(m, formats[f].face) == 6);
         assert_true(formats[f].line == NULL || group_size(m, formats[f].line) == 3);
-        for (int kind = SS_MESH_HEXAHEDRON; kind < SS_MESH_KIND_COUNT; ++kind) {
+        for (int kind = SS_MESH_HIGHER_ORDER; kind < SS_MESH_KIND_COUNT; ++kind) {
             assert_int_equal(m->skipped[kind], 0);
         }
         ss_mesh_destroy(&m);
@@ -506,7 +506,7 @@ TEST(one_file_is_of_one_order)
     assert_int_equal(ss_mesh_read_msh(text, sizeof text - 1, "t.msh", 1.0, &m, &error),
                      SOFTSIM_ERROR_FORMAT);
     assert_int_equal(error.fault_count, 1);
-    assert_non_null(strstr(error.text, "1 tetrahedra of 4 nodes beside 1 of 10"));
+    assert_non_null(strstr(error.text, "1 cells of first order beside 1 tetrahedra of 10 nodes"));
 }
 
 /* ---- changes ---- */

@@ -29,7 +29,7 @@ static void add_own_rows(findings *f)
     f->joined.count = m->joined_node_count;
     f->unused.count = m->unused_node_count;
     /* Points, lines, and faces beside tetrahedra, only name nodes for groups. */
-    const int first_body = m->tetrahedron_count > 0 ? SS_MESH_HEXAHEDRON : SS_MESH_POLYGON;
+    const int first_body = m->tetrahedron_count > 0 ? SS_MESH_HIGHER_ORDER : SS_MESH_POLYGON;
     for (int kind = first_body; kind < SS_MESH_KIND_COUNT; ++kind) {
         f->skipped.count += m->skipped[kind];
     }
@@ -51,7 +51,7 @@ static void add_own_rows(findings *f)
         "remesh", true);
     add_row(f, &f->joined, "joined_node", "vertices on top of others, joined as the file was read",
             "", "merge vertices by distance", true);
-    add_row(f, &f->unused, "unused_node", "vertices without a face, left out as the file was read",
+    add_row(f, &f->unused, "unused_node", "nodes without an element, left out as the file was read",
             "", "remove them", true);
     add_row(f, &f->skipped, "skipped_element", "elements of kinds that no model has, left out", "",
             "divide them into tetrahedra, or triangles", true);
@@ -127,6 +127,10 @@ static void print_measures(const findings *f)
                      m->cut_face_count);
     }
     for (int kind = 0; kind < SS_MESH_KIND_COUNT; ++kind) {
+        if (m->split[kind] > 0) {
+            (void)printf("split       %lld %s, into tetrahedra\n", (long long)m->split[kind],
+                         ss_mesh_kind_name((ss_mesh_kind)kind));
+        }
         if (m->skipped[kind] > 0) {
             (void)printf("left_out    %lld %s\n", (long long)m->skipped[kind],
                          ss_mesh_kind_name((ss_mesh_kind)kind));

@@ -77,23 +77,47 @@ static bool is_obj(const char *path)
     return length >= 4 && strcasecmp(path + length - 4, ".obj") == 0;
 }
 
-/* How many faces have three corners, four, more; points and lines are not faces. */
-static void count_faces(const struct aiScene *scene, int64_t out_count[3])
+enum { SHAPES = 6 };
+
+/* How many faces have one corner (points), two (lines), three, four, more; none: [0]. */
+static void count_faces(const struct aiScene *scene, int64_t out_count[SHAPES])
 {
-    memset(out_count, 0, 3 * sizeof *out_count);
+    memset(out_count, 0, SHAPES * sizeof *out_count);
     for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
         for (unsigned f = 0; f < scene->mMeshes[m]->mNumFaces; ++f) {
             const unsigned corners = scene->mMeshes[m]->mFaces[f].mNumIndices;
-            if (corners >= 3) {
-                ++out_count[corners > 4 ? 2 : corners - 3];
-            }
+            ++out_count[corners < SHAPES ? corners : SHAPES - 1];
         }
     }
 }
 
+/* Of a file without a face: what it holds. assimp's steps are not for such: they crash on scenes of
+ * which they have removed all. */
+static const char *no_face(const struct aiScene *scene, const int64_t count[SHAPES])
+{
+    static char text[160];
+    int64_t vertices = 0;
+    for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+        vertices += scene->mMeshes[m]->mNumVertices;
+    }
+    const int64_t lines = count[2];
+    const int64_t points = count[1] > 0 || lines > 0 ? count[1] : vertices;
+    char of_lines[40] = "", of_points[40] = "";
+    if (lines > 0) {
+        (void)snprintf(of_lines, sizeof of_lines, "%lld lines and ", (long long)lines);
+    }
+    if (points > 0) {
+        (void)snprintf(of_points, sizeof of_points, "%lld points and ", (long long)points);
+    }
+    (void)snprintf(text, sizeof text,
+                   "it holds %s%sno triangle, so there is no body in it: give a surface", of_lines,
+                   of_points);
+    return text;
+}
+
 /* The colours of a prepared OBJ text are numbers. Faces are counted before anything is done to
- * them, and cut unless all are quads; s->corners tells. */
-static const struct aiScene *read_scene(beside_files *files, surface *s)
+ * them, and cut unless all are quads; s->corners tells. NULL: assimp or *out_problem says why. */
+static const struct aiScene *read_scene(beside_files *files, surface *s, const char **out_problem)
 {
     const obj_text *obj = files->obj;
     struct aiPropertyStore *properties = aiCreatePropertyStore();
@@ -105,18 +129,23 @@ static const struct aiScene *read_scene(beside_files *files, surface *s)
                                    aiComponent_MATERIALS | (obj == NULL ? aiComponent_COLORS : 0));
     aiSetImportPropertyInteger(properties, AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const struct aiScene *scene = aiImportFileExWithProperties(
-        files->path, aiProcess_ValidateDataStructure, &files->io, properties);
+    const struct aiScene *scene =
+        aiImportFileExWithProperties(files->path, 0, &files->io, properties);
     aiReleasePropertyStore(properties);
     if (scene == NULL) {
         return NULL;
     }
-    int64_t faces[3];
+    int64_t faces[SHAPES];
     count_faces(scene, faces);
-    const bool are_quads = faces[0] == 0 && faces[1] > 0 && faces[2] == 0;
+    if (faces[3] + faces[4] + faces[5] == 0) {
+        *out_problem = no_face(scene, faces);
+        return NULL;
+    }
+    const bool are_quads = faces[3] == 0 && faces[4] > 0 && faces[5] == 0;
     s->corners = are_quads ? 4 : 3;
-    s->cut_face_count = are_quads ? 0 : faces[1] + faces[2];
-    return aiApplyPostProcessing(scene, aiProcess_RemoveComponent | aiProcess_SortByPType |
+    s->cut_face_count = are_quads ? 0 : faces[4] + faces[5];
+    return aiApplyPostProcessing(scene, aiProcess_ValidateDataStructure |
+                                            aiProcess_RemoveComponent | aiProcess_SortByPType |
                                             aiProcess_PreTransformVertices |
                                             (are_quads ? 0U : (unsigned)aiProcess_Triangulate));
 }
@@ -297,12 +326,12 @@ static const char *read_surface(const char *path, surface *s)
     }
     static beside_files files;
     beside_init(&files, path, obj);
-    const struct aiScene *scene = read_scene(&files, s);
+    const struct aiScene *scene = read_scene(&files, s, &problem);
     if (scene == NULL && files.refused[0] != '\0') {
         return files.refused;
     }
     if (scene == NULL) {
-        return assimp_problem();
+        return problem != NULL ? problem : assimp_problem();
     }
     if (!allocate(s, scene, obj)) {
         return too_large;
