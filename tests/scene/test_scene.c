@@ -679,6 +679,69 @@ TEST(each_printed_value_has_its_meaning_beside_it)
     ss_scene_destroy(&s);
 }
 
+TEST(every_key_of_a_list_is_printed_with_an_example)
+{
+    static char text[65536];
+    static const char *const shown[] = {"  # grid: {cylinder: ",
+                                        "  # outer: ",
+                                        "  # transform: {scale: ",
+                                        "    # - {box_m: [[",
+                                        "    # - {plane: {",
+                                        "    # - {group: bottom, axes: z}",
+                                        "    # - {nodes: [0, 1",
+                                        "loads:",
+                                        "  # - {nodes: [80], force_n: [",
+                                        "prescribed:",
+                                        "displacement_m: [",
+                                        "displacement_file: u.csv}",
+                                        "    # - {probe: 2, shape: {box: ",
+                                        "the first that matches counts"};
+    ss_scene *s = load_good(small, NULL, 0);
+    text[0] = '\0';
+    ss_scene_print(s, &model[0], collect, text);
+    for (size_t i = 0; i < sizeof shown / sizeof *shown; i++) {
+        if (strstr(text, shown[i]) == NULL) {
+            fail_msg("no '%s' in:\n%s", shown[i], text);
+        }
+    }
+    ss_scene_destroy(&s);
+}
+
+/* ---- lists by region ---- */
+
+/* The cube's upper four nodes are the group top; nodes 0 to 3 are the others. */
+TEST(a_value_that_no_node_takes_is_noted_and_so_is_an_overlap)
+{
+    static const struct {
+        const char *list;
+        int count;
+        bool is_unused;
+        const char *where, *says;
+    } cases[] = {
+        {"[{where: {group: top}, value: 0.5}, {value: 0.1}]", 0, false, "", ""},
+        {"[{where: {group: top}, value: 0.5}, {where: {nodes: [7, 6]}, value: 0.3}, {value: 0.1}]",
+         1, true, "contact.friction.1", "earlier entries took all 2 that it names"},
+        {"[{where: {group: top}, value: 0.5}, {where: {nodes: [0, 6, 7]}, value: 0.3}, {value: "
+         "0.1}]",
+         1, false, "contact.friction.1", "2 of its 3 nodes have the value of an earlier entry"},
+        {"[{where: {group: top}, value: 0.5}, {where: {nodes: [0, 1, 2, 3]}, value: 0.3}, {value: "
+         "0.1}]",
+         1, true, "contact.friction.2", "earlier entries took all 8"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char override[256];
+        snprintf(override, sizeof override, "contact.friction=%s", cases[i].list);
+        ss_scene *s = load_good(small, (const char *const[]){override}, 1);
+        assert_int_equal(s->doubt_count, cases[i].count);
+        if (cases[i].count > 0) {
+            assert_int_equal(s->doubt[0].is_unused, cases[i].is_unused);
+            assert_string_equal(s->doubt[0].where, cases[i].where);
+            assert_non_null(strstr(s->doubt[0].text, cases[i].says));
+        }
+        ss_scene_destroy(&s);
+    }
+}
+
 /* ---- live keys ---- */
 
 TEST(live_keys_are_parsed_and_the_rest_refused)

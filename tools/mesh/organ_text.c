@@ -14,7 +14,8 @@ void organ_write_model(FILE *out, const organ *o)
                                 .size = o->diagonal,
                                 .thickness =
                                     o->is_closed ? o->volume / o->area : 0.02 * o->diagonal,
-                                .is_closed = o->is_closed};
+                                .is_closed = o->is_closed,
+                                .is_free = o->fixed[0] == '\0'};
     const ss_model_hints *hints = o->model->hints;
     ss_hints_setting setting = {.body = &body,
                                 .material = hints != NULL ? hints->material[2] : NULL,

@@ -224,6 +224,21 @@ static void choose_tool(const request *q, organ *o)
     o->max_force = rounded(fmin(fmax(2.5 * force, 0.5), 8.0));
 }
 
+/* A word that is neither a group nor an entry would be YAML of another meaning. */
+static softsim_status check_fixed(const request *q, const organ *o, softsim_error *error)
+{
+    if (o->fixed[0] == '\0' || (o->fixed[0] == '{' && strchr(o->fixed, '\n') == NULL)) {
+        return SOFTSIM_OK;
+    }
+    softsim_error_add(
+        error, SOFTSIM_ERROR_ARGUMENT,
+        "--fixed: '%.60s' is no group of %s; give away, none, one of its groups "
+        "(softsim-mesh info lists them), or an entry such as '{box_m: [[-1, -1, -1], [1, "
+        "1, 0]]}'",
+        q->fixed, q->mesh);
+    return SOFTSIM_ERROR_ARGUMENT;
+}
+
 static void choose_fixed(const request *q, const ss_mesh *mesh, organ *o)
 {
     for (int32_t g = 0; g < mesh->group_count; ++g) {
@@ -633,7 +648,8 @@ static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, o
     }
     choose_tool(q, o);
     choose_fixed(q, mesh, o);
-    status = ss_output_open(output, q->out, error);
+    status = check_fixed(q, o, error);
+    status = status == SOFTSIM_OK ? ss_output_open(output, q->out, error) : status;
     status = status == SOFTSIM_OK ? choose_model(q, output, o, error) : status;
     status = status == SOFTSIM_OK ? write_text(output, o, false, error) : status;
     return status == SOFTSIM_OK ? finish(q, output, o, error) : status;

@@ -281,7 +281,7 @@ static void write_case(FILE *file, const ss_model_class *model, const ss_hints_s
 static void write_organ(FILE *file, const ss_model_class *model, const ss_hints_setting *setting)
 {
     (void)model;
-    fprintf(file, "  alpha: 0.01\n  link_stiffness_n_per_m: %.4g\n  leak_resistance: 200\n",
+    fprintf(file, "  alpha: 0.03\n  link_stiffness_n_per_m: %.4g\n  leak_resistance: 200\n",
             setting->scale * setting->body->youngs_modulus * setting->body->size * 0.1);
 }
 

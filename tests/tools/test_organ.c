@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* softsim-mesh scene: what it chooses, and that what it writes can be felt. */
+#include "common/test.h"
+
+#include <math.h>
+
+#include "common/effort.h"
+#include "common/tool_fixture.h"
+
+static char out[8192], text[8192];
+
+/* ---- every tissue, body and model ---- */
+
+static const char *const tissues[] = {"brain",  "breast", "fat",    "gelatine", "heart",
+                                      "kidney", "liver",  "muscle", "skin"};
+enum { TISSUES = sizeof tissues / sizeof *tissues };
+
+/* Shares of Hertz' force that are plausible: networks are scaled to it; on meshes whose edges are
+ * about as long as the tool's radius linear tetrahedra are up to three times too stiff. */
+static const struct {
+    const char *name;
+    double low, high;
+} models[] = {{"cnn-energy", 0.95, 1.05},
+              {"fem-quadratic", 0.5, 1.5},
+              {"cnn-chainmail", 0.95, 1.05},
+              {"fem", 0.8, 3.0}};
+enum { MODELS = sizeof models / sizeof *models };
+
+static double number_after(const char *where, const char *mark)
+{
+    const char *at = strstr(where, mark);
+    if (at == NULL) {
+        fail_msg("no '%s' in: %s", mark, where);
+        return NAN;
+    }
+    return strtod(at + strlen(mark), NULL);
+}
+
+/* The force that is told, beside Hertz' for what is told of depth, tool and modulus. */
+static double told_ratio(void)
+{
+    const double force = number_after(out, "pressed: "), depth = 1e-3 * number_after(out, " N at ");
+    const double radius = 1e-3 * number_after(out, "a ball of ");
+    const double modulus = number_after(out, "of Hertz' force for ");
+    return force / (4.0 / 3.0 * modulus / (1.0 - 0.45 * 0.45) * sqrt(radius) * depth * sqrt(depth));
+}
+
+static void expect_organ(const char *mesh, const char *tissue, int model)
+{
+    char command[512];
+    (void)snprintf(command, sizeof command, TOOL "scene %s --tissue %s --model %s --out organ.yaml",
+                   mesh, tissue, models[model].name);
+    if (run(command, out, sizeof out) != 0 || strstr(out, " mm: good\n") == NULL) {
+        fail_msg("%s: %s", command, out);
+    }
+    const double ratio = told_ratio();
+    if (!(ratio > models[model].low && ratio < models[model].high)) {
+        fail_msg("%s: %g of Hertz: %s", command, ratio, out);
+    }
+    if (run(BIN_DIR "/softsimd organ.yaml --check", text, sizeof text) != 0 ||
+        strstr(text, "organ.yaml: good (") == NULL) {
+        fail_msg("%s: %s", command, text);
+    }
+    print_message("%s, %s, %s: %.2f of Hertz\n", mesh, tissue, models[model].name, ratio);
+}
+
+TEST_WITH(every_tissue_on_every_body_presses_well_by_every_model, make_folder, remove_folder)
+{
+    static const char *const bodies[] = {"kidney.vtk", "liver.vtk", "block.msh"};
+    run_tool("generate kidney --tetrahedra --points 400 --out kidney.vtk");
+    run_tool("generate liver --tetrahedra --points 400 --out liver.vtk");
+    run_tool("generate block --tetrahedra --size-mm 80,80,40 --points 250 --out block.msh");
+    for (int b = 0; b < 3; ++b) {
+        for (int m = 0; m < FULL_IN_RELEASE(MODELS, 1); ++m) {
+            for (int t = 0; t < TISSUES; ++t) {
+                /* Otherwise each model on one or two bodies, of another tissue each. */
+                if (is_long_run() || ((b + m) % 2 == 0 && t == (5 * b + 2 * m + 6) % TISSUES)) {
+                    expect_organ(bodies[b], tissues[t], m);
+                }
+            }
+        }
+    }
+}
+
+/* ---- what is chosen ---- */
+
+/* The unit is the one in which a body is an organ; between two, the one nearer to 12 cm. The liver
+ * in decimetres is 2.0 x 1.2 x 0.8, which would do for centimetres too. */
+TEST_WITH(the_unit_is_judged_by_size, make_folder, remove_folder)
+{
+    static const struct {
+        const char *body, *unit;
+    } cases[] = {{"liver", "dm"}, {"kidney", "mm"}, {"kidney", "m"}, {"kidney", "cm"}};
+    char wanted[64];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        run_tool("generate %s --points 120 --units %s --out body.obj", cases[i].body,
+                 cases[i].unit);
+        assert_int_equal(run(TOOL "scene body.obj --tissue liver --out o.yaml", out, sizeof out),
+                         0);
+        (void)snprintf(wanted, sizeof wanted, ", in %s (judged by size, ", cases[i].unit);
+        if (strstr(out, wanted) == NULL) {
+            fail_msg("not '%s': %s", wanted, out);
+        }
+        (void)snprintf(wanted, sizeof wanted, "  units: %s  # ", cases[i].unit);
+        read_text("o.yaml", text, sizeof text);
+        assert_non_null(strstr(text, wanted));
+    }
+    assert_int_equal(
+        run(TOOL "scene body.obj --tissue liver --units m --out m.yaml", out, sizeof out), 0);
+    assert_non_null(strstr(out, ", in m (as given: the longest side is "));
+    run_tool("generate block --size-mm 1e4,1e4,1e4 --points 120 --out body.obj");
+    assert_int_equal(run(TOOL "scene body.obj --tissue liver --out n.yaml", out, sizeof out), 2);
+    assert_non_null(strstr(out, "give --units"));
+    assert_int_equal(access(in_folder("n.yaml"), F_OK), -1);
+}
+
+/* What is held: what was asked for is what the scene has, and the server counts the same. */
+TEST_WITH(the_held_part_is_chosen_or_as_asked, make_folder, remove_folder)
+{
+    static const struct {
+        const char *option, *says, *checked;
+    } cases[] = {
+        {"", "    - {plane: {point_m: [", NULL},
+        {"--fixed none", "# fixed: nothing is held", "fixed: 0 of "},
+        {"--fixed bottom", "    - {group: \"bottom\"}", NULL},
+        {"--fixed '{box_m: [[-1, -1, -1], [1, 1, -0.01]]}'", "    - {box_m: [[-1, -1, -1]", NULL},
+        {"--from -z", "normal: [0, 0, -1]", NULL},
+    };
+    run_tool("generate block --tetrahedra --size-mm 80,80,40 --points 120 --out block.msh");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char command[512];
+        (void)snprintf(command, sizeof command,
+                       TOOL "scene block.msh --tissue liver --model cnn-energy --out o.yaml %s",
+                       cases[i].option);
+        if (run(command, out, sizeof out) != 0) {
+            fail_msg("%s: %s", command, out);
+        }
+        read_text("o.yaml", text, sizeof text);
+        assert_non_null(strstr(text, cases[i].says));
+        const int held = (int)number_after(out, "held: ");
+        (void)run(BIN_DIR "/softsimd o.yaml --check", text, sizeof text);
+        assert_int_equal((int)number_after(text, "o.yaml: fixed: "), held);
+        assert_true((held == 0) == (cases[i].checked != NULL));
+    }
+}
+
+/* A surface gets a model that takes it; asked for another, it is told how to be filled. */
+TEST_WITH(a_surface_is_felt_or_told_how_to_be_filled, make_folder, remove_folder)
+{
+    run_tool("generate kidney --points 250 --out kidney.obj");
+    if (run(TOOL "scene kidney.obj --tissue kidney --out k.yaml", out, sizeof out) != 0 ||
+        strstr(out, "k.yaml: cnn-energy, 250 nodes of a surface, in mm") == NULL) {
+        fail_msg("%s", out);
+    }
+    assert_int_equal(
+        run(TOOL "scene kidney.obj --tissue kidney --model fem --out f.yaml", out, sizeof out), 2);
+    assert_non_null(strstr(out, "softsim-mesh tetrahedralize kidney.obj VOLUME.msh --units mm"));
+    assert_int_equal(access(in_folder("f.yaml"), F_OK), -1);
+}
+
+TEST_WITH(a_picture_is_one, make_folder, remove_folder)
+{
+    run_tool("generate kidney --points 250 --out kidney.obj");
+    const int status =
+        run(TOOL "scene kidney.obj --tissue liver --out k.yaml --preview k.png", out, sizeof out);
+    if (status == 2 && strstr(out, "gnuplot cannot be started") != NULL) {
+        skip();
+    }
+    assert_int_equal(status, 0);
+    read_text("k.png", text, sizeof text);
+    assert_memory_equal(text, "\x89PNG\r\n\x1a\n", 8);
+}
+
+TEST_WITH(tissues_are_listed_with_their_sources, make_folder, remove_folder)
+{
+    assert_int_equal(run(TOOL "scene --tissues", out, sizeof out), 0);
+    for (int t = 0; t < TISSUES; ++t) {
+        char line[32];
+        (void)snprintf(line, sizeof line, "\n%s ", tissues[t]);
+        const char *at = strstr(out, line);
+        assert_non_null(at);
+        const char *source = strstr(at, " et al. ");
+        assert_true(source != NULL && source < strchr(at + 1, '\n'));
+    }
+}
+
+/* ---- hostile arguments ---- */
+
+TEST_WITH(bad_arguments_are_named_and_write_nothing, make_folder, remove_folder)
+{
+    static const tool_row rows[] = {
+        {"scene", 2, "MESH is missing"},
+        {"scene k.obj", 2, "--out is missing"},
+        {"scene k.obj --out o.yaml", 2, "--tissue is missing: give one of brain, breast"},
+        {"scene k.obj --tissue stone --out o.yaml", 2, "--tissue: 'stone' is not known"},
+        {"scene k.obj --tissue liver --model stone --out o.yaml", 2, "'stone' is not built in"},
+        {"scene k.obj --tissue liver --for fun --out o.yaml", 2, "--for"},
+        {"scene k.obj --tissue liver --units furlong --out o.yaml", 2, "--units"},
+        {"scene k.obj --tissue liver --tool-mm 0 --out o.yaml", 2, "--tool-mm"},
+        {"scene k.obj --tissue liver --tool-mm nan --out o.yaml", 2, "--tool-mm"},
+        {"scene k.obj --tissue liver --out k.obj", 2, "--out"},
+        {"scene k.obj --tissue liver --out o.yaml --preview o.yaml", 2, "--preview"},
+        {"scene k.obj --tissue liver --out /dev/null", 2, "--out: '/dev/null' is no file"},
+        {"scene k.obj --tissue liver --out nowhere/o.yaml", 2, "the folder of 'nowhere/o.yaml'"},
+        {"scene missing.obj --tissue liver --out o.yaml", 2, "missing.obj"},
+        {"scene k.obj --tissue liver --out o.yaml --fixed '{box_m: [['", 2, "o.yaml:"},
+        {"scene k.obj --tissue liver --out o.yaml --fixed '{group: none}'", 2, "no group 'none'"},
+        {"scene k.obj --tissue liver --out o.yaml --fixed skin", 2, "--fixed: 'skin' is "},
+        {"scene k.obj --tissue liver --out o.yaml --fixed '{plane: {point_m: [0, 0, 1], normal: "
+         "[0, 0, "
+         "1]}}'",
+         2, "nothing to press"},
+        {"scene k.obj --tissue liver --out o.yaml --fixed '{sphere: {center_m: [9, 9, 9], "
+         "radius_m: "
+         "1}}'",
+         2, "takes no node"},
+        {"scene k.obj --tissue liver --units m --tool-mm 5 --out o.yaml --fixed \"$(printf '{a: "
+         "\\n')\"",
+         2, "o.yaml:"},
+    };
+    run_tool("generate kidney --points 100 --out k.obj");
+    expect_answers(rows, sizeof rows / sizeof *rows);
+    assert_int_equal(access(in_folder("o.yaml"), F_OK), -1);
+}
+
+int main(void)
+{
+    return run_all_tests(NULL, NULL);
+}
