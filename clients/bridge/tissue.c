@@ -10,7 +10,9 @@
 #include "process.h"
 
 /* A server publishes both every 2 s and on demand; a large body a piece at a time, for seconds. */
-static const int64_t patience_ns = 3000000000, ask_again_ns = 1000000000;
+static const int64_t patience_ns = 3000000000, ask_again_ns = 500000000;
+/* One that was started just before may still be loading its scene. */
+static const int64_t start_patience_ns = 10000000000;
 
 typedef struct heard {
     ss_body_view body;
@@ -25,8 +27,9 @@ typedef struct heard {
 static void take_status(void *context, const softsim_server_status *status, int64_t receive_ns)
 {
     (void)status;
-    (void)receive_ns;
-    ((heard *)context)->has_status = true;
+    heard *h = context;
+    h->last_ns = h->has_status ? h->last_ns : receive_ns;
+    h->has_status = true;
 }
 
 static void take_topology(void *context, const softsim_topology_chunk *chunk)
@@ -110,7 +113,8 @@ static bool listen(const softsim_client_config *config, heard *h, softsim_error 
     h->last_ns = now_ns;
     bool is_good = true;
     while (is_good && !is_enough(h) && !ss_process_is_stopped() &&
-           now_ns - h->last_ns < patience_ns) {
+           now_ns - h->last_ns <
+               (h->has_status || h->has_scene ? patience_ns : start_patience_ns)) {
         if (now_ns >= ask_ns) {
             softsim_client_send_command(client, "refresh", "");
             ask_ns = now_ns + ask_again_ns;

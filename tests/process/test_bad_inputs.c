@@ -179,6 +179,60 @@ TEST(checks_tell_what_is_good_and_what_is_doubtful)
     }
 }
 
+/* The last line that a program said. */
+static const char *last_line(const process *p)
+{
+    const char *last = p->err;
+    for (const char *at = p->err; (at = strchr(at, '\n')) != NULL && at[1] != '\0';) {
+        last = ++at;
+    }
+    return last;
+}
+
+/* What the author of a scene asks first. The kidney's box is its generator's: 110 x 59 x 45 mm. */
+TEST(a_check_tells_what_a_new_scene_is_and_what_to_do_next)
+{
+    static process p;
+    static const char *const says[] = {"kidney.yaml: box: -0.05", ": 110 x 58.6 x 45.2 mm\n",
+                                       "kidney.yaml: fixed: 64 of 1200 nodes\n",
+                                       "kidney.yaml: cost: about ",
+                                       "kidney.yaml: tissue: from +z: softsim-bridge --device sim "
+                                       "--offset-m 0."};
+    static const struct {
+        const char *set;
+        int status;
+        const char *says, *next;
+    } cases[] = {
+        {"model.rho=[{where: {sphere: {center_m: [0, 0, 0], radius_m: 1}}, value: 1}, {where: "
+         "{nodes: "
+         "[5]}, value: 2}]",
+         1, "warning: " SCENES "kidney.yaml: model.rho.1: no node has this value",
+         "heed the warnings"},
+        {"model.rho=[{where: {nodes: [4, 5]}, value: 1}, {where: {nodes: [5, 6, 7]}, value: 2}, "
+         "{value: "
+         "3}]",
+         0, "model.rho.1: 1 of its 3 nodes have the value of an earlier entry", "softsimd " SCENES},
+        {"contact.tools=[]", 0, "kidney.yaml: good", "add a tool under contact.tools"},
+        {"model.nonsense=1", 2, "nonsense", "mend what is named above"},
+    };
+    const char *const check[] = {"softsimd", "--check", SCENES "kidney.yaml", NULL};
+    assert_int_equal(process_run(&p, check), 0);
+    for (size_t i = 0; i < sizeof says / sizeof *says; ++i) {
+        if (!strstr(p.err, says[i])) {
+            fail_msg("no '%s' in: %s", says[i], p.err);
+        }
+    }
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const char *const argv[] = {"softsimd", "--check",    SCENES "kidney.yaml",
+                                    "--set",    cases[i].set, NULL};
+        if (process_run(&p, argv) != cases[i].status || !strstr(p.err, cases[i].says) ||
+            strncmp(last_line(&p), "softsimd: next: ", 16) != 0 ||
+            !strstr(last_line(&p), cases[i].next)) {
+            fail_msg("%s: %d: %s", cases[i].set, p.status, p.err);
+        }
+    }
+}
+
 /* ---- the bundled scenes ---- */
 
 TEST(what_a_bundled_scene_prints_loads_again)

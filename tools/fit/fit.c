@@ -281,6 +281,16 @@ void ss_fit_tell(const ss_fit *fit, void (*line)(void *sink, const char *text), 
                press->point[1], press->point[2], press->probe < 0 ? "a patch" : "the tool",
                press->depth, press->press_s);
     }
+    for (int32_t c = 0; c < fit->curve_count; ++c) {
+        const ss_press *press = &fit->press[c];
+        if (press->probe >= 0 && press->edge > press->tool_radius) {
+            ss_say(&t,
+                   "%s: the mesh is coarse for the tool, edges of %.3g mm and a radius of %.3g mm: "
+                   "it answers too stiffly, and what is found is too soft; take a finer mesh "
+                   "(softsim-mesh)",
+                   fit->curve[c].path, 1e3 * press->edge, 1e3 * press->tool_radius);
+        }
+    }
     for (int32_t i = 0; i < s->n; ++i) {
         tell_parameter(fit, &t, i);
     }

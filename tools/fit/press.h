@@ -41,6 +41,7 @@ typedef struct ss_press {
     char *patch;                /* "prescribed=[...]" for the patch; NULL */
     double depth, press_s;      /* m, s: of the press */
     double limit;               /* m: the tissue ends there */
+    double edge, tool_radius;   /* m: the surface's mean edge, the tool's inradius (patch: 0) */
 } ss_press;
 
 /* Finds place and direction (`at` NULL: chosen) on the scene as it is, and whether the depth can be

@@ -34,6 +34,7 @@ enum { SCALINGS = 4, MAX_MODELS = 4 };
 static const double ORGAN_LOW_M = 0.02, ORGAN_HIGH_M = 0.30, ORGAN_USUAL_M = 0.12;
 static const double HELD_SHARE = 0.15;   /* of the body's height, away from the hand */
 static const double TOOL_SHARE = 0.05;   /* its radius, of the body's diagonal */
+static const double FINGERTIP_M = 0.01;  /* and not larger, but for that */
 static const double LARGEST_TOOL = 0.12; /* the same, where edges are long */
 static const double HAND_DEPTH_M = 8e-3; /* what the simulated hand of softsim-bridge presses */
 static const double DEEPEST_SHARE = 0.3; /* of the body's height */
@@ -129,18 +130,22 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
 
 /* ---- what is chosen before the scene is loaded ---- */
 
-/* The unit in which the longest side is nearest to an organ's. -1: in none of them. */
-static int32_t judge_unit(double longest)
+/* The unit in which the longest side is nearest to an organ's. -1: in none of them. *out_other:
+ * another that would do, or -1. */
+static int32_t judge_unit(double longest, int32_t *out_other)
 {
     int32_t best = -1;
     double least = INFINITY;
+    *out_other = -1;
     for (int32_t u = 0; u < 4; ++u) {
         const double size = longest * metres_per_unit(u);
         const double off = fabs(log(size / ORGAN_USUAL_M));
-        if (size >= ORGAN_LOW_M * 0.999 && size <= ORGAN_HIGH_M * 1.001 && off < least) {
-            least = off;
-            best = u;
+        if (size < ORGAN_LOW_M * 0.999 || size > ORGAN_HIGH_M * 1.001) {
+            continue;
         }
+        *out_other = off < least ? best : u;
+        best = off < least ? u : best;
+        least = fmin(least, off);
     }
     return best;
 }
@@ -154,7 +159,9 @@ static softsim_status choose_unit(const request *q, ss_mesh *mesh, organ *o, sof
     for (int k = 0; k < 3; ++k) {
         longest = fmax(longest, high[k] - low[k]);
     }
-    const int32_t unit = q->units >= 0 ? q->units : judge_unit(longest);
+    int32_t other = -1;
+    const int32_t judged = judge_unit(longest, &other);
+    const int32_t unit = q->units >= 0 ? q->units : judged;
     if (unit < 0) {
         softsim_error_add(
             error, SOFTSIM_ERROR_ARGUMENT,
@@ -167,9 +174,11 @@ static softsim_status choose_unit(const request *q, ss_mesh *mesh, organ *o, sof
     if (q->units >= 0) {
         (void)snprintf(words, sizeof words, "as given: the longest side is %.4g mm", size_mm);
     } else {
-        (void)snprintf(words, sizeof words,
-                       "judged by size, %.3g x %.3g x %.3g: an organ has 2 to 30 cm, so %.4g mm",
-                       high[0] - low[0], high[1] - low[1], high[2] - low[2], size_mm);
+        (void)snprintf(
+            words, sizeof words,
+            "judged by size, %.3g x %.3g x %.3g: an organ has 2 to 30 cm, so %.4g mm%s%s%s",
+            high[0] - low[0], high[1] - low[1], high[2] - low[2], size_mm, other >= 0 ? "; " : "",
+            other >= 0 ? unit_name(other) : "", other >= 0 ? " would do too: --units" : "");
     }
     o->unit = unit_name(unit);
     o->unit_words = words;
@@ -209,7 +218,7 @@ static double rounded(double x)
 
 static void choose_tool(const request *q, organ *o)
 {
-    const double usual = TOOL_SHARE * o->diagonal;
+    const double usual = fmin(TOOL_SHARE * o->diagonal, FINGERTIP_M);
     o->radius =
         q->tool_mm > 0.0
             ? 1e-3 * q->tool_mm
@@ -504,6 +513,12 @@ static softsim_status try_model(const request *q, ss_output *output, organ *o, b
 
 /* ---- what is told ---- */
 
+/* Of inner tetrahedra, of e^3 / 8.5 each: 1500 of second order are felt at 1 kHz. */
+static double filling_edge_mm(const organ *o)
+{
+    return rounded(1e3 * cbrt(8.5 * o->volume / 1500.0));
+}
+
 static void tell(const request *q, const organ *o)
 {
     const trial_result *t = &o->trial;
@@ -574,8 +589,7 @@ static void warn_of(const request *q, const organ *o)
 
 static softsim_status refuse_surface(const request *q, const organ *o, softsim_error *error)
 {
-    /* Tetrahedra of edge e have e^3 / 8.5 each; 1500 of second order are felt at 1 kHz. */
-    const double edge_mm = rounded(1e3 * cbrt(8.5 * o->volume / 1500.0));
+    const double edge_mm = filling_edge_mm(o);
     softsim_error_add(
         error, SOFTSIM_ERROR_ARGUMENT,
         "--model: %s needs tetrahedra, and %s is a surface%s: softsim-mesh "
