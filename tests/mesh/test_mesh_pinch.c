@@ -144,7 +144,8 @@ TEST(pinched_bodies_go_through_every_change)
         assert_int_equal(ss_mesh_check(raised, &r), SOFTSIM_OK);
         assert_int_equal(r.pinched_edge.count, 2 * bodies[i].pinched_edges);
         assert_int_equal(ss_mesh_repair(m, &mended, &done, &error), SOFTSIM_OK);
-        assert_int_equal(done.turned_triangles + done.welded_nodes + done.flat_elements, 0);
+        assert_int_equal(
+            done.turned_triangle.count + done.welded_node.count + done.flat_element.count, 0);
         assert_true(ss_mesh_renumber(m));
         assert_int_equal(ss_mesh_accept(m, "renumbered", &error), SOFTSIM_OK);
         assert_int_equal(ss_mesh_check(m, &r), SOFTSIM_OK);

@@ -277,10 +277,10 @@ TEST(a_mesh_is_mended_where_the_scene_asks_for_it)
     assert_int_equal(s->mesh->node_count, 4);
     assert_int_equal(s->mesh->triangle_count, 4);
     assert_true(s->mesh->is_closed);
-    assert_int_equal(s->repairs.welded_nodes, 1);
-    assert_int_equal(s->repairs.twin_elements, 1);
-    assert_int_equal(s->repairs.loose_nodes, 1);
-    assert_int_equal(s->repairs.turned_triangles, 1);
+    assert_int_equal(s->repairs.welded_node.count, 1);
+    assert_int_equal(s->repairs.twin_element.count, 1);
+    assert_int_equal(s->repairs.loose_node.count, 1);
+    assert_int_equal(s->repairs.turned_triangle.count, 1);
     ss_scene_destroy(&s);
 }
 
