@@ -75,9 +75,9 @@ static const ss_param_row rows[ROW_COUNT] = {
 #define COST_VISCOUS 0.025
 #define COST_STEP    5.0
 #define COST_TOOL    15.0
-/* The stable step over the least height through the speed of sound, with mass added: on slab,
- * ellipsoid and ventricle. */
-#define STEP_OF_HEIGHT 0.7
+/* omega_max over that of linear elements, with mass added: 1.5 to 2.3 on slab, ellipsoid, ventricle,
+ * organs and a regular block. */
+#define SIDES_RATE 2.0
 
 static double step_cost_us(const ss_model_plan *plan)
 {
@@ -86,10 +86,9 @@ static double step_cost_us(const ss_model_plan *plan)
     double cost = COST_STEP;
     if (ss_fem_material_read(plan, "fem-quadratic", &arena, &material, NULL) == SOFTSIM_OK) {
         const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0);
-        const double sweeps = material.integrator == SS_BODY_RK4 ? 4.0 / 1.4 : 1.0;
-        const double substeps = fmax(1.0, 1e-3 * ss_fem_sound_rate(plan->mesh, &material) /
-                                              (STEP_OF_HEIGHT * SS_QUADRATIC_STEP_SHARE));
-        cost += substeps * sweeps * element * plan->mesh->tetrahedron_count;
+        const double rate = SIDES_RATE * ss_fem_node_rate(plan->mesh, &material);
+        cost += ss_fem_planned_sweeps(&material, rate, SS_QUADRATIC_STEP_SHARE) * element *
+                plan->mesh->tetrahedron_count;
     }
     ss_arena_free(&arena);
     return cost + COST_TOOL * ss_plan_tool_count(plan);
