@@ -116,6 +116,11 @@ static void split(const ss_model_plan *plan, ss_fem_material *material)
  * with fewer the force of a sliding ball changes by more than 0.5 % in 1 ms. */
 #define COARSE_PARTS 0.25
 
+/* How far beyond a tool skin follows every sub-step, in edges: the search reaches 1.5 times the
+ * larger of an edge and half a radius beyond the tool, to triangles that lean on their neighbours'
+ * corners. */
+#define SKIN_EDGES 8.0
+
 static softsim_status add_skin(ss_model *model)
 {
     ss_model_plan *plan = &model->raised.plan;
@@ -128,8 +133,8 @@ static softsim_status add_skin(ss_model *model)
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {
-            skin->reach[k] = 1.5 * ss_shape_bounding_radius(&plan->tool[k].shape) +
-                             2.0 * plan->contact_reach + 16.0 * skin->edge;
+            skin->reach[k] = 2.0 * ss_shape_bounding_radius(&plan->tool[k].shape) +
+                             2.0 * plan->contact_reach + SKIN_EDGES * skin->edge;
         }
     }
     model->quadratic.skin = skin;
