@@ -62,8 +62,8 @@ static const ss_param_row rows[ROW_COUNT] = {
                               SS_FROM(0.0, 0.2), .fallback = 0.025),
     [CURVED] = SS_PARAM(CHOICE, "curved",
                         "auto: sides go through the nodes that a mesh of second order has in their "
-                        "middle, else those of a smooth surface follow its normals; no: all are "
-                        "straight",
+                        "middle, else those of the surface follow object.surface, or its own "
+                        "normals where it is smooth; no: all are straight",
                         .range.max = 1.0, .choices = "auto|no"),
 };
 
@@ -150,6 +150,16 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     ss_quadratic_raised *raised = &model->raised;
     softsim_status status =
         ss_fem_material_read(plan, "fem-quadratic", &model->arena, &model->material, error);
+    if (status == SOFTSIM_OK && plan->surface &&
+        (plan->mesh->middle || plan->param[CURVED].number != 0.0)) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_SCENE, "fem-quadratic: object.surface %s",
+            plan->mesh->middle
+                ? "is for a mesh of first order, and this one has nodes of its own in "
+                  "the middle of sides: leave one of the two out"
+                : "is followed by curved sides: leave it out, or curved: no");
+        status = SOFTSIM_ERROR_SCENE;
+    }
     if (status == SOFTSIM_OK) {
         split(plan, &model->material);
         status = ss_quadratic_raise(plan, plan->param[CURVED].number == 0.0, &model->arena, raised,
@@ -230,6 +240,7 @@ static void explain(const ss_model *model, const ss_notes *out)
         ss_note_used(out, "curved sides", "%d %s, %d more would bend an element too far",
                      model->raised.curved_side_count,
                      model->raised.is_second_order ? "go through the file's nodes"
+                     : model->raised.plan.surface  ? "follow object.surface"
                                                    : "follow the surface's normals",
                      model->raised.straightened_side_count);
     } else {
