@@ -37,6 +37,7 @@ typedef struct ss_tool_plan {
 /* Everything it points to is borrowed and outlives the model, but `param`. */
 typedef struct ss_model_plan {
     const ss_mesh *mesh;
+    const ss_mesh *surface;      /* a finer one of the same body, for curved sides; NULL: none */
     const uint8_t *fixed;        /* node_count: bit 0 x, 1 y, 2 z */
     const ss_param_value *param; /* in the order of the model's table */
     const ss_load *load;

@@ -126,7 +126,7 @@ static void take_tools(ss_scene_loader *l)
     }
 }
 
-static void transform(ss_scene_loader *l, const ss_scene_node *object)
+static void transform(const ss_scene_node *object, ss_mesh *mesh)
 {
     double rotate[3] = {0, 0, 0};
     double translate[3] = {0, 0, 0};
@@ -134,12 +134,13 @@ static void transform(ss_scene_loader *l, const ss_scene_node *object)
     if (map != NULL) {
         ss_scene_get_vector(ss_scene_node_find(map, "rotate_deg"), rotate);
         ss_scene_get_vector(ss_scene_node_find(map, "translate_m"), translate);
-        ss_mesh_transform(l->scene->mesh, ss_scene_get_number(map, "scale", 1), rotate, translate);
+        ss_mesh_transform(mesh, ss_scene_get_number(map, "scale", 1), rotate, translate);
     }
 }
 
-/* The object's mesh from its file. */
-static bool load_mesh(ss_scene_loader *l, ss_scene_node *file, const ss_scene_node *units)
+/* A mesh from a file of the object's. */
+static bool load_mesh(ss_scene_loader *l, ss_scene_node *file, const ss_scene_node *units,
+                      ss_mesh **out)
 {
     char path[2048];
     if (!find_file(l, file, path, sizeof path) || units == NULL) {
@@ -147,7 +148,7 @@ static bool load_mesh(ss_scene_loader *l, ss_scene_node *file, const ss_scene_no
     }
     const int32_t before = l->mesh_error->fault_count;
     const softsim_status status =
-        ss_mesh_load(path, metres_of(units), l->import_program, &l->scene->mesh, l->mesh_error);
+        ss_mesh_load(path, metres_of(units), l->import_program, out, l->mesh_error);
     if (status != SOFTSIM_OK && l->mesh_error->fault_count == before) {
         softsim_error_add(l->mesh_error, status, "%s: error: %s", path,
                           softsim_status_text(status));
@@ -161,15 +162,52 @@ static bool make_grid(ss_scene_loader *l, ss_scene_node *grid, const ss_scene_no
     return ss_scene_make_grid(&l->space, grid, metres, &l->scene->mesh, l->mesh_error);
 }
 
-/* Does the model have a layer around its volume? */
-static bool has_layer(const ss_scene_model *model)
+/* A mesh beside the object's, in its units and place; NULL: a fault. */
+static ss_mesh *load_beside(ss_scene_loader *l, const ss_scene_node *object, ss_scene_node *file)
+{
+    char path[2048];
+    ss_mesh *mesh = NULL;
+    const ss_scene_node *units = good(ss_scene_node_find(object, "units"));
+    if (units != NULL && load_mesh(l, file, units, &mesh)) {
+        transform(object, mesh);
+        ss_scene_join_path(l->space.folder, file->text, path, sizeof path);
+        if (ss_mesh_accept(mesh, path, l->mesh_error) == SOFTSIM_OK) {
+            return mesh;
+        }
+    }
+    ss_mesh_destroy(&mesh);
+    return NULL;
+}
+
+static bool has_row(const ss_scene_model *model, const char *name)
 {
     for (int32_t i = 0; model != NULL && i < model->row_count; i++) {
-        if (strcmp(model->row[i].name, "layer.thickness_m") == 0) {
+        if (strcmp(model->row[i].name, name) == 0) {
             return true;
         }
     }
     return false;
+}
+
+/* Does the model have a layer around its volume? */
+static bool has_layer(const ss_scene_model *model)
+{
+    return has_row(model, "layer.thickness_m");
+}
+
+/* The finer surface that curved sides follow. */
+static bool take_surface(ss_scene_loader *l, const ss_scene_node *object)
+{
+    ss_scene_node *file = good(ss_scene_node_find(object, "surface"));
+    if (file != NULL && !has_row(l->model, "curved")) {
+        ss_scene_node_fault(l->report, file,
+                            "object.surface is what curved sides follow, which %s does not have; "
+                            "fem-quadratic does",
+                            l->model != NULL ? l->model->name : "this model");
+        return false;
+    }
+    l->scene->surface = file != NULL ? load_beside(l, object, file) : NULL;
+    return file == NULL || l->scene->surface != NULL;
 }
 
 /* The mesh with a layer's outer surface: the given one, or grown by a thickness. */
@@ -199,21 +237,8 @@ static bool take_layer(ss_scene_loader *l, ss_scene_node *object, const char *na
     softsim_error *fault = calloc(1, sizeof *fault);
     softsim_status status = fault != NULL ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
     if (status == SOFTSIM_OK && outer != NULL) {
-        char path[2048];
-        ss_scene_node *units = good(ss_scene_node_find(object, "units"));
-        scene->mesh = NULL;
-        if (units == NULL || !load_mesh(l, outer, units)) {
-            scene->mesh = core;
-            free(fault);
-            return false;
-        }
-        transform(l, object);
-        ss_mesh *surface = scene->mesh;
-        scene->mesh = core;
-        ss_scene_join_path(l->space.folder, outer->text, path, sizeof path);
-        status = ss_mesh_accept(surface, path, l->mesh_error);
-        if (status != SOFTSIM_OK) {
-            ss_mesh_destroy(&surface);
+        ss_mesh *surface = load_beside(l, object, outer);
+        if (surface == NULL) {
             free(fault);
             return false;
         }
@@ -251,11 +276,11 @@ static bool take_mesh(ss_scene_loader *l)
     ss_scene_node *repair = good(ss_scene_node_find(object, "repair"));
     ss_scene_node *source = file != NULL ? file : grid;
     if (source == NULL || (map != NULL && map->is_faulty) ||
-        (file != NULL ? !load_mesh(l, file, units) : !make_grid(l, grid, units))) {
+        (file != NULL ? !load_mesh(l, file, units, &l->scene->mesh) : !make_grid(l, grid, units))) {
         return false;
     }
     ss_scene *scene = l->scene;
-    transform(l, object);
+    transform(object, scene->mesh);
     if (repair != NULL && strcmp(repair->text, "true") == 0) {
         ss_mesh *mended = NULL;
         if (ss_mesh_repair(scene->mesh, &mended, &scene->repairs, l->mesh_error) != SOFTSIM_OK) {
@@ -286,7 +311,8 @@ static bool take_mesh(ss_scene_loader *l)
     }
     ss_progress_part("checking the mesh, %d nodes", scene->mesh->node_count);
     if (ss_mesh_accept(scene->mesh, name, l->mesh_error) != SOFTSIM_OK ||
-        (scene->mesh->tetrahedron_count > 0 && !take_layer(l, object, name))) {
+        (scene->mesh->tetrahedron_count > 0 && !take_layer(l, object, name)) ||
+        !take_surface(l, object)) {
         return false;
     }
     const int32_t node_count = scene->mesh->node_count;
@@ -437,6 +463,7 @@ void ss_scene_destroy(ss_scene **scene_pointer)
         free(scene->source->model_row);
     }
     ss_mesh_destroy(&scene->mesh);
+    ss_mesh_destroy(&scene->surface);
     SS_EACH(free, scene->load, scene->prescribed, scene->param, scene->friction.per_node,
             scene->fixed, scene->source, scene);
     *scene_pointer = NULL;

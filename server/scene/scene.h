@@ -71,6 +71,7 @@ typedef struct ss_scene {
     char model_name[64];
     int32_t model_index;   /* into the table handed in */
     ss_mesh *mesh;         /* loaded, transformed, accepted */
+    ss_mesh *surface;      /* a finer one that sides follow, the same; NULL: none */
     uint8_t *fixed;        /* node_count: bit 0 x, 1 y, 2 z */
     ss_param_value *param; /* in the model's row order */
     ss_load *load;

@@ -130,6 +130,10 @@ static const ss_scene_row object_row[] = {
         "surface around the mesh's volume, in the same units and place: what lies between is the "
         "layer of hybrid",
         .needs = "mesh", .example = "wall.msh"),
+    ROW(FILE, "surface",
+        "finer surface of the same body, in the same units and place, that the nodes on sides of "
+        "fem-quadratic follow",
+        .needs = "mesh", .example = "skin.obj"),
     KEYS("transform", TABLE(transform_row),
          .example = "{scale: 1, rotate_deg: [0, 0, 90], translate_m: [0, 0, 0.05]}"),
     ROW(BOOL, "repair",

@@ -109,6 +109,7 @@ ss_model_plan ss_world_plan(const ss_world *world)
     const ss_scene *scene = world->scene;
     const int32_t budget = substep_budget(world);
     ss_model_plan plan = {.mesh = scene->mesh,
+                          .surface = scene->surface,
                           .fixed = scene->fixed,
                           .param = scene->param,
                           .load = scene->load,

@@ -119,6 +119,40 @@ TEST(a_liver_of_tetrahedra_is_as_large_as_the_published_one)
     ss_mesh_destroy(&m);
 }
 
+static int compare_heights(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* An explicit step goes with the least height of all. */
+TEST(the_lowest_tetrahedron_of_an_organ_is_not_much_lower_than_the_others)
+{
+    static const char *const organ[] = {"kidney", "liver", "ellipsoid"};
+    for (int k = 0; k < COUNT(organ); ++k) {
+        char arguments[64];
+        (void)snprintf(arguments, sizeof arguments, "%s --tetrahedra --points 400", organ[k]);
+        ss_mesh *m = generate(arguments, "body.msh", 1e-3);
+        double *height = calloc((size_t)m->tetrahedron_count, sizeof *height);
+        for (int32_t e = 0; e < m->tetrahedron_count; ++e) {
+            const int32_t *n = m->tetrahedron[e];
+            double gradient[4][3], largest = 0.0; /* the height over a face is 1/|grad lambda| */
+            (void)ss_tetrahedron_gradients(m->position[n[0]], m->position[n[1]], m->position[n[2]],
+                                           m->position[n[3]], gradient);
+            for (int a = 0; a < 4; ++a) {
+                largest = fmax(largest, ss_norm3(gradient[a]));
+            }
+            height[e] = 1.0 / largest;
+        }
+        qsort(height, (size_t)m->tetrahedron_count, sizeof *height, compare_heights);
+        if (height[0] < 0.65 * height[m->tetrahedron_count / 2]) {
+            fail_msg("%s: %g m of %g", organ[k], height[0], height[m->tetrahedron_count / 2]);
+        }
+        free(height);
+        ss_mesh_destroy(&m);
+    }
+}
+
 /* By the four Gauss points of each element, exact for straight ones. */
 static double volume_of(const ss_mesh *m)
 {

@@ -56,6 +56,7 @@ static const bad bad_row[] = {
     {4, "", "2:1", "object.units is missing"},
     {4, "  units: miles", "4:10", "one of mm cm m in um dm"},
     {4, "  units: mm\n  shell: {}", "5:3", "unknown key 'shell'"},
+    {4, "  units: mm\n  surface: cube.msh", "5:12", "what curved sides follow"},
     {4, "  units: mm\n  transform: {scale: 0}", "5:22", "above 0"},
     {5, "  fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.001]]}]", "5:12", "takes no node"},
     {5, "  fixed: [{box_m: [[1, -1, -1], [-1, 1, 0]]}]", "5:19", "wrong way round"},

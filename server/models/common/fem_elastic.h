@@ -112,9 +112,14 @@ softsim_status ss_fem_material_create(const ss_model_plan *plan, const char *nam
 softsim_status ss_fem_material_read(const ss_model_plan *plan, const char *name, ss_arena *arena,
                                     ss_fem_material *out_material, softsim_error *error);
 
-/* The speed of sound over the least height, of the element where that is most, 1/s: the stable step
- * of a regular element is its reciprocal but for a tenth or two. */
-double ss_fem_sound_rate(const ss_mesh *mesh, const ss_fem_material *material);
+/* The root of the largest K_ii / m_i of a node, 1/s, with K_ii = sum V (lambda + 2 mu) |grad N_i|^2
+ * over its elements at rest: from 5 % below to 6 % above omega_max on the meshes of the reference
+ * problems, organs, and regular blocks, and cheap. (The worst element's speed of sound over its
+ * height is up to twice as much.) 0 when out of memory. */
+double ss_fem_node_rate(const ss_mesh *mesh, const ss_fem_material *material);
+/* Sweeps over the elements in a millisecond, for the planned cost, where omega_max is about `rate`:
+ * the part `share` is taken of the stable step with all damping. */
+double ss_fem_planned_sweeps(const ss_fem_material *material, double rate, double share);
 
 /* Fraction of the stable step that sub-steps take; fem_stability.c counts on it. */
 #define SS_FEM_STEP_SHARE 0.5

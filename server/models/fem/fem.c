@@ -45,10 +45,9 @@ static double step_cost_us(const ss_model_plan *plan)
     if (ss_fem_material_create(plan, "fem", &arena, &material, NULL) == SOFTSIM_OK) {
         const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0) +
                                (material.is_averaged ? COST_CURE : 0.0);
-        const double sweeps = material.integrator == SS_BODY_RK4 ? 4.0 / 1.4 : 1.0;
-        const double substeps =
-            fmax(1.0, 1e-3 * ss_fem_sound_rate(plan->mesh, &material) / SS_FEM_STEP_SHARE);
-        cost += substeps * sweeps * element * plan->mesh->tetrahedron_count;
+        const double sweeps = ss_fem_planned_sweeps(
+            &material, ss_fem_node_rate(plan->mesh, &material), SS_FEM_STEP_SHARE);
+        cost += sweeps * element * plan->mesh->tetrahedron_count;
     }
     ss_arena_free(&arena);
     return cost + COST_TOOL * ss_plan_tool_count(plan);

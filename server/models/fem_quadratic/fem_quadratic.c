@@ -62,8 +62,8 @@ static const ss_param_row rows[ROW_COUNT] = {
                               SS_FROM(0.0, 0.2), .fallback = 0.025),
     [CURVED] = SS_PARAM(CHOICE, "curved",
                         "auto: sides go through the nodes that a mesh of second order has in their "
-                        "middle, else those of a smooth surface follow its normals; no: all are "
-                        "straight",
+                        "middle, else those of the surface follow object.surface, or its own "
+                        "normals where it is smooth; no: all are straight",
                         .range.max = 1.0, .choices = "auto|no"),
 };
 
@@ -75,9 +75,9 @@ static const ss_param_row rows[ROW_COUNT] = {
 #define COST_VISCOUS 0.025
 #define COST_STEP    5.0
 #define COST_TOOL    15.0
-/* The stable step over the least height through the speed of sound, with mass added: on slab,
- * ellipsoid and ventricle. */
-#define STEP_OF_HEIGHT 0.7
+/* omega_max over that of linear elements, with mass added: 1.5 to 2.3 on slab, ellipsoid, ventricle,
+ * organs and a regular block. */
+#define SIDES_RATE 2.0
 
 static double step_cost_us(const ss_model_plan *plan)
 {
@@ -86,10 +86,9 @@ static double step_cost_us(const ss_model_plan *plan)
     double cost = COST_STEP;
     if (ss_fem_material_read(plan, "fem-quadratic", &arena, &material, NULL) == SOFTSIM_OK) {
         const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0);
-        const double sweeps = material.integrator == SS_BODY_RK4 ? 4.0 / 1.4 : 1.0;
-        const double substeps = fmax(1.0, 1e-3 * ss_fem_sound_rate(plan->mesh, &material) /
-                                              (STEP_OF_HEIGHT * SS_QUADRATIC_STEP_SHARE));
-        cost += substeps * sweeps * element * plan->mesh->tetrahedron_count;
+        const double rate = SIDES_RATE * ss_fem_node_rate(plan->mesh, &material);
+        cost += ss_fem_planned_sweeps(&material, rate, SS_QUADRATIC_STEP_SHARE) * element *
+                plan->mesh->tetrahedron_count;
     }
     ss_arena_free(&arena);
     return cost + COST_TOOL * ss_plan_tool_count(plan);
@@ -117,6 +116,11 @@ static void split(const ss_model_plan *plan, ss_fem_material *material)
  * with fewer the force of a sliding ball changes by more than 0.5 % in 1 ms. */
 #define COARSE_PARTS 0.25
 
+/* How far beyond a tool skin follows every sub-step, in edges: the search reaches 1.5 times the
+ * larger of an edge and half a radius beyond the tool, to triangles that lean on their neighbours'
+ * corners. */
+#define SKIN_EDGES 8.0
+
 static softsim_status add_skin(ss_model *model)
 {
     ss_model_plan *plan = &model->raised.plan;
@@ -129,8 +133,8 @@ static softsim_status add_skin(ss_model *model)
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (plan->tool[k].is_used) {
-            skin->reach[k] = 1.5 * ss_shape_bounding_radius(&plan->tool[k].shape) +
-                             2.0 * plan->contact_reach + 16.0 * skin->edge;
+            skin->reach[k] = 2.0 * ss_shape_bounding_radius(&plan->tool[k].shape) +
+                             2.0 * plan->contact_reach + SKIN_EDGES * skin->edge;
         }
     }
     model->quadratic.skin = skin;
@@ -146,6 +150,16 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
     ss_quadratic_raised *raised = &model->raised;
     softsim_status status =
         ss_fem_material_read(plan, "fem-quadratic", &model->arena, &model->material, error);
+    if (status == SOFTSIM_OK && plan->surface &&
+        (plan->mesh->middle || plan->param[CURVED].number != 0.0)) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_SCENE, "fem-quadratic: object.surface %s",
+            plan->mesh->middle
+                ? "is for a mesh of first order, and this one has nodes of its own in "
+                  "the middle of sides: leave one of the two out"
+                : "is followed by curved sides: leave it out, or curved: no");
+        status = SOFTSIM_ERROR_SCENE;
+    }
     if (status == SOFTSIM_OK) {
         split(plan, &model->material);
         status = ss_quadratic_raise(plan, plan->param[CURVED].number == 0.0, &model->arena, raised,
@@ -226,6 +240,7 @@ static void explain(const ss_model *model, const ss_notes *out)
         ss_note_used(out, "curved sides", "%d %s, %d more would bend an element too far",
                      model->raised.curved_side_count,
                      model->raised.is_second_order ? "go through the file's nodes"
+                     : model->raised.plan.surface  ? "follow object.surface"
                                                    : "follow the surface's normals",
                      model->raised.straightened_side_count);
     } else {

@@ -34,14 +34,23 @@ typedef struct ss_quadratic_raised {
     int32_t given_count;                 /* nodes of the given mesh */
     bool is_second_order;                /* that one is */
     int32_t curved_side_count, straightened_side_count;
+    int32_t lost_side_count; /* sides of the surface that the finer one is nowhere near */
 } ss_quadratic_raised;
 
 /* A node that is added is held, loaded or prescribed where both ends of its side are and the side
  * lies on the surface, or where a whole tetrahedron around it is; what is prescribed there is the
  * smooth field through the nodes around it. `is_curved`: sides go through the middles of a mesh of
- * second order; else those of the surface follow its normals. */
+ * second order; else those of the surface follow the plan's finer one, or its own normals. */
 softsim_status ss_quadratic_raise(const ss_model_plan *plan, bool is_curved, ss_arena *arena,
                                   ss_quadratic_raised *out, softsim_error *error);
+
+/* ---- surface.c ---- */
+
+/* Moves each of `count` points, the straight middles of sides of `length` m, to the nearest point
+ * of `surface`; one that has none within half of that stays, and is counted. False: out of memory.
+ */
+bool ss_quadratic_follow(const ss_mesh *surface, int32_t count, const double *length,
+                         double (*position)[3], int32_t *out_lost);
 
 /* ---- blocks.c ---- */
 

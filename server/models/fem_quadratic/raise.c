@@ -15,7 +15,8 @@
  * triangle, Vlachos et al. 2001), at (a + b)/2 + (t_a - t_b)/8. A node's normal is the mean of its
  * triangles', weighted by their angles. A side stays straight where its two triangles, or a normal
  * and one of them, differ by more than CREASE: there the body has an edge. A mesh of second order
- * knows the true shape better; the mean of the surface's own facets is what is always there.
+ * or a finer surface (surface.c) knows the true shape better; the mean of the surface's own facets
+ * is what is always there.
  */
 #include <math.h>
 #include <string.h>
@@ -243,12 +244,43 @@ static bool keep_side(const ss_mesh *given, const sides *s, int32_t k, double po
     return is_off;
 }
 
-static bool curve(const ss_mesh *given, const sides *s, ss_quadratic_raised *raised)
+/* The sides of the surface go to a finer one. */
+static bool follow(const ss_mesh *given, const ss_mesh *surface, const sides *s,
+                   ss_quadratic_raised *raised, uint8_t *is_curved)
+{
+    double(*middle)[3] = ss_memory_get((size_t)s->count, sizeof *middle);
+    double *length = ss_memory_get((size_t)s->count, sizeof *length);
+    int32_t count = 0;
+    for (int32_t k = 0; middle && length && k < s->count; ++k) {
+        if (s->is_surface[k]) {
+            double d[3];
+            ss_sub3(d, given->position[s->high[k]], given->position[s->low[k]]);
+            straight(s, given, k, middle[count]);
+            length[count++] = ss_norm3(d);
+        }
+    }
+    const bool is_good =
+        middle && length &&
+        ss_quadratic_follow(surface, count, length, middle, &raised->lost_side_count);
+    for (int32_t k = 0, at = 0; is_good && k < s->count; ++k) {
+        if (s->is_surface[k]) {
+            double *x = raised->mesh.position[s->node[k]], off[3];
+            ss_sub3(off, middle[at], x);
+            is_curved[k] = ss_norm3(off) > SS_QUADRATIC_STRAIGHT * length[at];
+            ss_copy3(x, middle[at++]);
+        }
+    }
+    ss_memory_free(middle);
+    ss_memory_free(length);
+    return is_good;
+}
+
+/* Where normals or the mesh's own nodes lead. */
+static bool bend(const ss_mesh *given, const sides *s, ss_quadratic_raised *raised,
+                 uint8_t *is_curved)
 {
     double(*normal)[3] = ss_memory_get((size_t)given->node_count, sizeof *normal);
-    uint8_t *is_curved = ss_memory_get((size_t)s->count, 1);
-    const bool is_good = normal && is_curved;
-    if (is_good) {
+    if (normal) {
         if (!given->middle) {
             node_normals(given, normal);
         }
@@ -258,11 +290,24 @@ static bool curve(const ss_mesh *given, const sides *s, ss_quadratic_raised *rai
                 given->middle
                     ? keep_side(given, s, k, x)
                     : s->is_surface[k] && curve_side(given, s, (const double(*)[3])normal, k, x);
+        }
+    }
+    ss_memory_free(normal);
+    return normal != NULL;
+}
+
+static bool curve(const ss_model_plan *plan, const sides *s, ss_quadratic_raised *raised)
+{
+    uint8_t *is_curved = ss_memory_get((size_t)s->count, 1);
+    const bool is_good =
+        is_curved && (plan->surface ? follow(plan->mesh, plan->surface, s, raised, is_curved)
+                                    : bend(plan->mesh, s, raised, is_curved));
+    if (is_good) {
+        for (int32_t k = 0; k < s->count; ++k) {
             raised->curved_side_count += is_curved[k];
         }
         straighten(s, raised, is_curved);
     }
-    ss_memory_free(normal);
     ss_memory_free(is_curved);
     return is_good;
 }
@@ -612,13 +657,22 @@ softsim_status ss_quadratic_raise(const ss_model_plan *plan, bool is_curved, ss_
     *out = (ss_quadratic_raised){0};
     const bool is_good = sides_init(&s, plan->mesh) &&
                          make_mesh(plan->mesh, &s, arena, out, &is_own) &&
-                         (!is_own || !is_curved || curve(plan->mesh, &s, out)) &&
+                         (!is_own || !is_curved || curve(plan, &s, out)) &&
                          (!is_own || extend_plan(&s, plan, arena, out));
     sides_free(&s);
     if (!is_own) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE, "%s",
                           "fem-quadratic: the surface has a side that no tetrahedron has: give a "
                           "mesh whose surface is that of its tetrahedra");
+        return SOFTSIM_ERROR_SCENE;
+    }
+    if (out->lost_side_count > 0) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_SCENE,
+            "fem-quadratic: object.surface is not near %d sides of the mesh's surface: "
+            "no part of it within half of their length; give one of the same body, in "
+            "the same units and place",
+            out->lost_side_count);
         return SOFTSIM_ERROR_SCENE;
     }
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;

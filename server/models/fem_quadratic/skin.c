@@ -172,42 +172,47 @@ softsim_status ss_quadratic_skin_create(const ss_quadratic_raised *raised, const
 
 /* ---- what the body asks for ---- */
 
-void ss_quadratic_skin_list(ss_quadratic_skin *skin, const ss_real *u,
-                            const ss_model_tool tool[SOFTSIM_MAX_PROBES])
-{
-    skin->is_all_due = true;
-    skin->close_count = 0;
-    for (int32_t s = 0; s < skin->mesh.node_count; ++s) {
-        bool is_close = tool == NULL;
-        double x[3];
-        ss_copy3(x, skin->mesh.position[s]);
-        for (int32_t k = skin->first[s]; tool && k < skin->first[s + 1]; ++k) {
-            for (int i = 0; i < 3; ++i) {
-                x[i] += (double)(skin->weight[k] * u[4 * (ptrdiff_t)skin->node[k] + i]);
-            }
-        }
-        for (int p = 0; tool && p < SOFTSIM_MAX_PROBES; ++p) {
-            if (tool[p].is_present) {
-                double d[3], way[3];
-                ss_sub3(d, x, tool[p].to.position);
-                ss_sub3(way, tool[p].to.position, tool[p].from.position);
-                is_close = is_close || ss_norm3(d) < skin->reach[p] + ss_norm3(way);
-            }
-        }
-        if (is_close) {
-            skin->close[skin->close_count++] = s;
-        }
-    }
-}
-
-static void lay_node(const ss_quadratic_skin *skin, int32_t s, const ss_real *u, ss_real *skin_u)
+static ss_quad laid(const ss_quadratic_skin *skin, int32_t s, const ss_real *u)
 {
     ss_quad sum = ss_quad_all(0);
     for (int32_t k = skin->first[s]; k < skin->first[s + 1]; ++k) {
         sum = ss_quad_fma(ss_quad_all(skin->weight[k]),
                           ss_quad_load(u + 4 * (ptrdiff_t)skin->node[k]), sum);
     }
-    ss_quad_store(skin_u + 4 * (ptrdiff_t)s, sum);
+    return sum;
+}
+
+void ss_quadratic_skin_list(ss_quadratic_skin *skin, const ss_real *u,
+                            const ss_model_tool tool[SOFTSIM_MAX_PROBES])
+{
+    const double *middle[SOFTSIM_MAX_PROBES];
+    double square[SOFTSIM_MAX_PROBES];
+    int present = 0;
+    for (int p = 0; tool && p < SOFTSIM_MAX_PROBES; ++p) {
+        if (tool[p].is_present) {
+            double way[3];
+            ss_sub3(way, tool[p].to.position, tool[p].from.position);
+            const double reach = skin->reach[p] + ss_norm3(way);
+            middle[present] = tool[p].to.position;
+            square[present++] = reach * reach;
+        }
+    }
+    skin->is_all_due = true;
+    skin->close_count = 0;
+    for (int32_t s = 0; s < skin->mesh.node_count && (present > 0 || !tool); ++s) {
+        bool is_close = !tool;
+        const ss_quad way = tool ? laid(skin, s, u) : ss_quad_all(0);
+        const double *rest = skin->mesh.position[s];
+        for (int p = 0; p < present && !is_close; ++p) {
+            const double d[3] = {rest[0] + (double)way[0] - middle[p][0],
+                                 rest[1] + (double)way[1] - middle[p][1],
+                                 rest[2] + (double)way[2] - middle[p][2]};
+            is_close = ss_dot3(d, d) < square[p];
+        }
+        if (is_close) {
+            skin->close[skin->close_count++] = s;
+        }
+    }
 }
 
 void ss_quadratic_skin_lay(void *owner, const ss_real *u, ss_real *skin_u)
@@ -216,12 +221,12 @@ void ss_quadratic_skin_lay(void *owner, const ss_real *u, ss_real *skin_u)
     if (skin->is_all_due) {
         skin->is_all_due = false;
         for (int32_t s = 0; s < skin->mesh.node_count; ++s) {
-            lay_node(skin, s, u, skin_u);
+            ss_quad_store(skin_u + 4 * (ptrdiff_t)s, laid(skin, s, u));
         }
         return;
     }
     for (int32_t k = 0; k < skin->close_count; ++k) {
-        lay_node(skin, skin->close[k], u, skin_u);
+        ss_quad_store(skin_u + 4 * (ptrdiff_t)skin->close[k], laid(skin, skin->close[k], u));
     }
 }
 

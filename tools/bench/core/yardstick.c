@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * FMA peak: twelve independent chains of 8-lane fused multiply-adds, more than latency (4) times
- * ports (2), so that the units never wait. Bandwidth: the triad of STREAM (McCalpin 1995) over
- * three arrays that no cache holds. The best of several passes, by thread CPU time: a neighbour
- * on the machine then costs bandwidth, but not time that we did not run.
+ * FMA peak: twelve independent chains of 8-lane (16-lane) fused multiply-adds, more than latency
+ * (4) times ports (2), so that the units never wait. Bandwidth: the triad of STREAM (McCalpin 1995)
+ * over three arrays that no cache holds. The best of several passes, by thread CPU time: a
+ * neighbour on the machine then costs bandwidth, but not time that we did not run.
  */
 #include "bench/core/yardstick.h"
 
@@ -21,7 +21,14 @@
 
 #include "rt/clock.h"
 
-enum { CHAINS = 12, LANES = 8, ROUNDS = 200000, PASSES = 7, TRIAD = 4 * 1024 * 1024 };
+enum {
+    CHAINS = 12,
+    LANES = 8,
+    LANES_512 = 16,
+    ROUNDS = 200000,
+    PASSES = 7,
+    TRIAD = 4 * 1024 * 1024
+};
 
 #if defined(__x86_64__)
 __attribute__((target("avx2,fma"))) static float run_chains_wide(void)
@@ -42,6 +49,26 @@ __attribute__((target("avx2,fma"))) static float run_chains_wide(void)
         sum = _mm256_add_ps(sum, chain[c]);
     }
     return _mm256_cvtss_f32(sum);
+}
+
+__attribute__((target("avx512f"))) static float run_chains_512(void)
+{
+    __m512 chain[CHAINS];
+    const __m512 factor = _mm512_set1_ps(0.999999f);
+    const __m512 term = _mm512_set1_ps(1e-6f);
+    for (int c = 0; c < CHAINS; ++c) {
+        chain[c] = _mm512_set1_ps((float)c);
+    }
+    for (int round = 0; round < ROUNDS; ++round) {
+        for (int c = 0; c < CHAINS; ++c) {
+            chain[c] = _mm512_fmadd_ps(chain[c], factor, term);
+        }
+    }
+    __m512 sum = _mm512_setzero_ps();
+    for (int c = 0; c < CHAINS; ++c) {
+        sum = _mm512_add_ps(sum, chain[c]);
+    }
+    return _mm512_cvtss_f32(sum);
 }
 #endif
 
@@ -75,17 +102,17 @@ static float run_chains(void)
     return run_chains_plain();
 }
 
-static double measure_fma(void)
+static double measure_fma(float (*chains)(void), int lanes)
 {
     volatile float kept = 0.0f;
     double best_s = INFINITY;
     for (int pass = 0; pass < PASSES; ++pass) {
         const int64_t start_ns = ss_clock_thread_cpu_ns();
-        kept = run_chains();
+        kept = chains();
         best_s = fmin(best_s, 1e-9 * (double)(ss_clock_thread_cpu_ns() - start_ns));
     }
     (void)kept;
-    return best_s > 0.0 ? 2e-9 * CHAINS * LANES * (double)ROUNDS / best_s : 0.0;
+    return best_s > 0.0 ? 2e-9 * CHAINS * lanes * (double)ROUNDS / best_s : 0.0;
 }
 
 static double measure_bandwidth(void)
@@ -143,6 +170,11 @@ void ss_yardstick_measure(ss_yardstick *out)
     out->cores = (int32_t)sysconf(_SC_NPROCESSORS_ONLN);
     double load = 0.0;
     out->load = getloadavg(&load, 1) == 1 ? load : 0.0;
-    out->fma_gflops = measure_fma();
+    out->fma_gflops = measure_fma(run_chains, LANES);
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f")) {
+        out->fma_512_gflops = measure_fma(run_chains_512, LANES_512);
+    }
+#endif
     out->bandwidth_gb_s = measure_bandwidth();
 }

@@ -404,6 +404,11 @@ softsim_status ss_scaling_write_page(const ss_scaling *r, softsim_error *error)
     if (status == SOFTSIM_OK) {
         status = plot_blocks(r, true, &page, error);
     }
+    ss_page_heading(&page, "Elements");
+    ss_page_text(&page, "What an element and sub-step take, integration included, on an ellipsoid "
+                        "of 50, 35 and 25 mm half axes that swings; flops and bytes as the model "
+                        "states them, over what this processor does of them in this run.");
+    ss_scaling_put_elements(&page, r);
     ss_page_yardstick(&page, &r->yardstick);
     if (status == SOFTSIM_OK) {
         status = ss_page_close(&page, error);

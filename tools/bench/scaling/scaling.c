@@ -5,8 +5,9 @@
  * how far its field is from that of a direct solve in double (as common/body.h defines it), how
  * smooth the force of a sliding tool is, and whether energy adds up over press, slide and release.
  * Then what the block of block.h costs with every model, to a million nodes, and where a model
- * gives way. Beside it Table 1 of the paper on which cnn-energy is built (Zhong, Shirinzadeh,
- * Alici, Smith 2006; Pentium 4, 2.8 GHz), whose rates are given as the time of a step.
+ * gives way; and what of the processor's arithmetic the elements of `fem` and `fem-quadratic` use.
+ * Beside it Table 1 of the paper on which cnn-energy is built (Zhong, Shirinzadeh, Alici, Smith
+ * 2006; Pentium 4, 2.8 GHz), whose rates are given as the time of a step.
  */
 #include <math.h>
 #include <stdio.h>
@@ -336,11 +337,18 @@ static int run_report(int argc, char **argv)
     }
     if (status == SOFTSIM_OK) {
         ss_yardstick_measure(&r.yardstick);
+        status = ss_scaling_measure_elements(&r, &error);
+    }
+    if (status == SOFTSIM_OK) {
         status = measure(&r, &error);
     }
     if (status == SOFTSIM_OK) {
         ss_scaling_print(&r);
+        ss_scaling_print_elements(&r);
         status = ss_scaling_write_csv(&r, &error);
+    }
+    if (status == SOFTSIM_OK) {
+        status = ss_scaling_write_elements(&r, &error);
     }
     if (status == SOFTSIM_OK) {
         status = ss_scaling_write_page(&r, &error);

@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "bench/core/element_speed.h"
+#include "bench/core/report.h"
 #include "bench/core/sweep.h"
 #include "bench/core/yardstick.h"
 #include "case/scratch.h"
@@ -15,6 +17,7 @@ enum {
     SS_SCALING_LARGEST_ELLIPSOID = 100000, /* larger ones take longer to make than to measure */
     SS_SCALING_MAX_BLOCKS = 1024,
     SS_SCALING_CASES = 5,
+    SS_SCALING_ELEMENT_CASES = 6,
     SS_SCALING_WINDOW_POINTS = 4096 /* smaller bodies have no window */
 };
 
@@ -48,7 +51,19 @@ typedef struct ss_scaling {
     ss_sweep_result blocks;
     ss_scaling_row row[SS_SCALING_CASES * SS_SCALING_MAX_SIZES + SS_SCALING_MAX_BLOCKS];
     int32_t row_count;
+    ss_element_speed element[SS_SCALING_ELEMENT_CASES];
+    const ss_element_speed_case *element_case[SS_SCALING_ELEMENT_CASES];
+    int32_t element_count;
 } ss_scaling;
+
+/* ---- elements.c ---- */
+
+/* What an element and sub-step take: bodies no larger than the largest block, of models that are
+ * built in. */
+softsim_status ss_scaling_measure_elements(ss_scaling *r, softsim_error *error);
+void ss_scaling_print_elements(const ss_scaling *r);
+void ss_scaling_put_elements(ss_page *page, const ss_scaling *r);
+softsim_status ss_scaling_write_elements(const ss_scaling *r, softsim_error *error);
 
 /* ---- page.c ---- */
 

@@ -6,26 +6,26 @@
  */
 #include <stdio.h>
 
-#include "bench/papers/hybrid/fem_speed.h"
+#include "bench/core/element_speed.h"
 #include "bench/papers/hybrid/hybrid.h"
 
 /* The body of 30 thousand is the size at which the two kinds reach real time. */
-static const ss_fem_speed_case cases[] = {
-    {.elements = 20000, .rounds = 15},
-    {.elements = 20000, .rounds = 15, .is_shuffled = true},
-    {.elements = 20000, .rounds = 15, .is_viscous = true},
-    {.elements = 20000, .rounds = 15, .is_viscous = true, .is_shuffled = true},
-    {.elements = 20000, .rounds = 15, .is_cured = true},
-    {.elements = 26000, .rounds = 15, .is_viscous = true},
-    {.elements = 32500, .rounds = 15},
-    {.elements = 100000, .rounds = 15},
-    {.elements = 100000, .rounds = 15, .is_shuffled = true},
-    {.elements = 100000, .rounds = 15, .is_viscous = true},
-    {.elements = 100000, .rounds = 15, .is_viscous = true, .is_shuffled = true},
+static const ss_element_speed_case cases[] = {
+    {.model = "fem", .elements = 20000, .rounds = 15},
+    {.model = "fem", .elements = 20000, .rounds = 15, .is_shuffled = true},
+    {.model = "fem", .elements = 20000, .rounds = 15, .is_viscous = true},
+    {.model = "fem", .elements = 20000, .rounds = 15, .is_viscous = true, .is_shuffled = true},
+    {.model = "fem", .elements = 20000, .rounds = 15, .is_cured = true},
+    {.model = "fem", .elements = 26000, .rounds = 15, .is_viscous = true},
+    {.model = "fem", .elements = 32500, .rounds = 15},
+    {.model = "fem", .elements = 100000, .rounds = 15},
+    {.model = "fem", .elements = 100000, .rounds = 15, .is_shuffled = true},
+    {.model = "fem", .elements = 100000, .rounds = 15, .is_viscous = true},
+    {.model = "fem", .elements = 100000, .rounds = 15, .is_viscous = true, .is_shuffled = true},
 };
 enum { CASE_COUNT = sizeof cases / sizeof cases[0], QUICK_COUNT = 5 };
 
-static void show(ss_paper *paper, const ss_fem_speed_case *what, const ss_fem_speed *speed)
+static void show(ss_paper *paper, const ss_element_speed_case *what, const ss_element_speed *speed)
 {
     ss_row cells = {.count = 0};
     ss_row_add(&cells, "%d", speed->elements);
@@ -70,9 +70,9 @@ softsim_status ss_heart_speed(ss_paper *paper, softsim_error *error)
     ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
     const int count = paper->is_quick ? QUICK_COUNT : CASE_COUNT;
     for (int k = 0; k < count && status == SOFTSIM_OK; ++k) {
-        ss_fem_speed speed;
+        ss_element_speed speed;
         ss_paper_progress(paper, (double)k / count);
-        status = ss_fem_speed_measure(&cases[k], &yardstick, &speed, error);
+        status = ss_element_speed_measure(&cases[k], &yardstick, &speed, error);
         if (status == SOFTSIM_OK) {
             show(paper, &cases[k], &speed);
             fprintf(csv.file, "%d,%d,%d,%d,%.4g,%.4g,%.4g,%.6g,%.6g,%.3g,%.3g\n", speed.elements,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
-#include "bench/papers/hybrid/fem_speed.h"
+#include "bench/core/element_speed.h"
 /*
  * A lattice with nodes at the corners and middles of cubes; each face between two cubes is the
  * middle of four tetrahedra (its two middles and an edge): all elements are congruent, as good as
@@ -198,7 +198,7 @@ static void orient(lattice *l)
     }
 }
 
-static softsim_status make_mesh(const ss_fem_speed_case *what, ss_mesh **out_mesh,
+static softsim_status make_mesh(const ss_element_speed_case *what, ss_mesh **out_mesh,
                                 softsim_error *error)
 {
     lattice l = {0};
@@ -231,42 +231,47 @@ static uint8_t *make_fixed(const ss_mesh *mesh)
     return fixed;
 }
 
-static void set(const ss_model_class *fem, ss_param_value *param, const char *name, double number)
+/* Where the model has such a parameter. */
+static void set(const ss_model_class *model, ss_param_value *param, const char *name, double number)
 {
-    param[ss_model_find_row(fem, name) - fem->row] =
-        (ss_param_value){.number = number, .is_given = true};
+    const ss_param_row *row = ss_model_find_row(model, name);
+    if (row) {
+        param[row - model->row] = (ss_param_value){.number = number, .is_given = true};
+    }
 }
 
 /* The model's parameters, to be freed; NULL: out of memory. */
-static ss_param_value *make_parameters(const ss_fem_speed_case *what, const ss_model_class *fem)
+static ss_param_value *make_parameters(const ss_element_speed_case *what,
+                                       const ss_model_class *model_class)
 {
-    ss_param_value *param = calloc((size_t)fem->row_count, sizeof *param);
-    for (int k = 0; param != NULL && k < fem->row_count; ++k) {
-        param[k] = (ss_param_value){.number = fem->row[k].fallback};
+    ss_param_value *param = calloc((size_t)model_class->row_count, sizeof *param);
+    for (int k = 0; param != NULL && k < model_class->row_count; ++k) {
+        param[k] = (ss_param_value){.number = model_class->row[k].fallback};
     }
     if (param != NULL) {
-        set(fem, param, "youngs_modulus_pa", 3000.0);
-        set(fem, param, "poisson_ratio", 0.45);
-        set(fem, param, "locking_cure", what->is_cured ? 2.0 : 1.0);
-        set(fem, param, "stiffness_damping_s", what->is_viscous ? 20e-6 : 0.0);
+        set(model_class, param, "material", (double)what->law);
+        set(model_class, param, "youngs_modulus_pa", 3000.0);
+        set(model_class, param, "poisson_ratio", 0.45);
+        set(model_class, param, "locking_cure", what->is_cured ? 2.0 : 1.0);
+        set(model_class, param, "stiffness_damping_s", what->is_viscous ? 20e-6 : 0.0);
     }
     return param;
 }
 
 /* Rounds of outer steps of a millisecond or so; each sub-step counts its share. */
-static void run(const ss_model_class *fem, ss_model *model, int32_t elements, ss_samples *samples,
-                int32_t rounds, ss_fem_speed *out)
+static void run(const ss_model_class *model_class, ss_model *model, int32_t elements,
+                ss_samples *samples, int32_t rounds, ss_element_speed *out)
 {
     ss_model_info info;
-    fem->info(model, &info);
+    model_class->info(model, &info);
     out->stable_step_s = info.stable_step;
     const double step_s = 10.0 * info.stable_step; /* 20 sub-steps of half of it */
     double time = 0.0;
     for (int32_t k = -1; k < rounds; ++k) { /* the first one warms up */
         const int64_t start_ns = ss_clock_thread_cpu_ns();
-        fem->step(model, time, step_s, NULL);
+        model_class->step(model, time, step_s, NULL);
         const int64_t spent_ns = ss_clock_thread_cpu_ns() - start_ns;
-        fem->info(model, &info);
+        model_class->info(model, &info);
         time += step_s;
         if (k >= 0 && info.substeps > 0) {
             ss_samples_add(samples, (double)spent_ns / info.substeps / elements);
@@ -276,33 +281,38 @@ static void run(const ss_model_class *fem, ss_model *model, int32_t elements, ss
              info.verdict == SOFTSIM_VERDICT_GOOD ? "good" : info.reason);
 }
 
-static void derive(const ss_fem_speed_case *what, const ss_model_class *fem,
-                   const ss_yardstick *yardstick, ss_fem_speed *out)
+static void derive(const ss_element_speed_case *what, const ss_model_class *model_class,
+                   const ss_yardstick *yardstick, ss_element_speed *out)
 {
     double bytes, flops;
     const double count = out->elements;
-    fem->hints->work(what->is_viscous, &bytes, &flops);
+    model_class->hints->work(what->is_viscous, &bytes, &flops);
+    out->flops = flops;
+    out->bytes = bytes;
     out->realtime = 0.5 * out->stable_step_s / (out->ns * 1e-9 * count);
     out->realtime_half = count * pow(out->realtime, 0.75);
     out->realtime_most = count * pow(1.8 * out->realtime, 0.75);
     out->flop_share = yardstick->fma_gflops > 0.0 ? flops / out->ns / yardstick->fma_gflops : NAN;
+    out->flop_512_share =
+        yardstick->fma_512_gflops > 0.0 ? flops / out->ns / yardstick->fma_512_gflops : NAN;
     out->bandwidth_share =
         yardstick->bandwidth_gb_s > 0.0 ? bytes / out->ns / yardstick->bandwidth_gb_s : NAN;
 }
 
-softsim_status ss_fem_speed_measure(const ss_fem_speed_case *what, const ss_yardstick *yardstick,
-                                    ss_fem_speed *out, softsim_error *error)
+softsim_status ss_element_speed_measure(const ss_element_speed_case *what,
+                                        const ss_yardstick *yardstick, ss_element_speed *out,
+                                        softsim_error *error)
 {
-    const ss_model_class *fem = ss_model_find("fem");
-    *out = (ss_fem_speed){0};
-    if (what->elements < 100 || what->rounds < 1 || !fem) {
-        softsim_error_add(
-            error, SOFTSIM_ERROR_ARGUMENT,
-            "speed of fem: at least 100 elements and one round, and a build with fem");
+    const ss_model_class *model_class = ss_model_find(what->model);
+    *out = (ss_element_speed){0};
+    if (what->elements < 100 || what->rounds < 1 || !model_class || !model_class->hints->work) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "speed of %s: at least 100 elements and one round, and a build with it",
+                          what->model);
         return SOFTSIM_ERROR_ARGUMENT;
     }
     ss_mesh *mesh = NULL;
-    ss_param_value *param = make_parameters(what, fem);
+    ss_param_value *param = make_parameters(what, model_class);
     ss_samples samples = {0};
     ss_model *model = NULL;
     softsim_status status = make_mesh(what, &mesh, error);
@@ -321,16 +331,17 @@ softsim_status ss_fem_speed_measure(const ss_fem_speed_case *what, const ss_yard
                                     .max_substeps = 64,
                                     .threads = 1};
         const int64_t start_ns = ss_clock_thread_cpu_ns();
-        status = ss_model_create(fem, &plan, &model, error);
+        status = ss_model_create(model_class, &plan, &model, error);
         out->create_s = 1e-9 * (double)(ss_clock_thread_cpu_ns() - start_ns);
     }
     if (status == SOFTSIM_OK) {
         out->nodes = mesh->node_count;
         out->elements = mesh->tetrahedron_count;
-        run(fem, model, out->elements, &samples, what->rounds, out);
+        run(model_class, model, out->elements, &samples, what->rounds, out);
         out->ns = ss_samples_quantile(&samples, 0.5);
-        derive(what, fem, yardstick, out);
-        fem->destroy(model);
+        out->least_ns = ss_samples_quantile(&samples, 0.0);
+        derive(what, model_class, yardstick, out);
+        model_class->destroy(model);
     }
     free(fixed);
     free(param);
