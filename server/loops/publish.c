@@ -77,7 +77,8 @@ void *ss_loops_publish(void *argument)
         const ss_surface_snapshot *snapshot = ss_mailbox_take(loops->world->surface, &is_new);
         const ss_scene_field kind =
             (ss_scene_field)atomic_load_explicit(&loops->world->field, memory_order_acquire);
-        if (kind != SS_SCENE_FIELD_NONE && snapshot && is_new) {
+        if (kind != SS_SCENE_FIELD_NONE && snapshot &&
+            (is_new || ss_publisher_wants_field(loops->publisher))) {
             set_field(loops, kind, snapshot, &field, &value);
         }
         ss_publisher_send(loops->publisher, ss_clock_now_ns(), snapshot ? snapshot->step : 0,
