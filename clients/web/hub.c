@@ -22,6 +22,7 @@ enum {
     COMMANDS = 64, /* that wait to be sent */
     ASKED = 1024,  /* that may wait for a reply; of more the oldest get none */
     REPLIES = 64,
+    MESH_ASKS = 5,
     RECORDINGS = 256,
     RECORDER_ROOM = 1 << 25 /* bytes: seconds of all that a busy server says */
 };
@@ -30,7 +31,8 @@ static const int64_t HEARTBEAT_NS = 500000000;
 static const int64_t POSE_NS = 4000000;
 static const int64_t IDLE_NS = 20000000;
 static const int64_t SILENT_NS = 1000000000; /* without a status, of four a second: no server */
-static const int64_t DEVICE_NS = 500000000;  /* as long as a server keeps a probe for it */
+static const int64_t MESH_ASK_NS = 2000000000;
+static const int64_t DEVICE_NS = 500000000; /* as long as a server keeps a probe for it */
 static const int64_t FORCE_SILENT_NS = 500000000;
 static const int64_t MOST_RECORDED = INT64_C(4000000000);         /* bytes of one recording */
 static const int64_t MOST_RECORDED_IN_ALL = INT64_C(16000000000); /* of all of a run */
@@ -74,6 +76,9 @@ struct ss_hub {
     bool has_thread;
     atomic_bool is_ending, is_broken;
     ss_recorder *recorder;
+    bool lacks_mesh; /* hub thread: there is a server, and no whole surface of it */
+    int32_t mesh_asks;
+    int64_t mesh_asked_ns;
     pthread_mutex_t lock; /* of all below */
     bool is_changed;
     int64_t start_ns, woken_ns;
@@ -213,6 +218,7 @@ static void take_status(void *context, const softsim_server_status *status, int6
         ss_body_begin_session(&hub->body);
     }
     hub->session = session;
+    hub->lacks_mesh = hub->status_ns != 0 && !hub->body.is_complete;
     renew(&hub->status, json, &hub->status_version);
     hub->status_ns = receive_ns;
     if (hub->is_silent) {
@@ -377,6 +383,19 @@ static int64_t look_around(ss_hub *hub, int64_t now_ns)
     return next_ns;
 }
 
+/* A surface at rest comes every ten seconds: who has none yet asks for it, a few times, since a
+ * server may have none to show. */
+static void ask_for_mesh(ss_hub *hub, int64_t now_ns)
+{
+    hub->mesh_asks = hub->lacks_mesh ? hub->mesh_asks : 0;
+    if (hub->lacks_mesh && hub->mesh_asks < MESH_ASKS &&
+        now_ns - hub->mesh_asked_ns >= MESH_ASK_NS) {
+        ++hub->mesh_asks;
+        hub->mesh_asked_ns = now_ns;
+        (void)softsim_client_send_command(hub->client, "refresh", "");
+    }
+}
+
 static void *run(void *argument)
 {
     ss_hub *hub = argument;
@@ -386,6 +405,7 @@ static void *run(void *argument)
     while (!atomic_load(&hub->is_ending)) {
         int64_t now_ns = softsim_client_now_ns();
         send_commands(hub);
+        ask_for_mesh(hub, now_ns);
         if (now_ns >= pose_ns) {
             send_pose(hub, now_ns);
             pose_ns = now_ns + POSE_NS;

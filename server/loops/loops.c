@@ -159,15 +159,23 @@ static void destroy(ss_loops **loops)
     if (*loops == NULL) {
         return;
     }
-    if ((*loops)->wake_fd >= 0) {
-        close((*loops)->wake_fd);
-    }
-    if ((*loops)->event_fd >= 0) {
-        close((*loops)->event_fd);
+    const int fd[] = {(*loops)->wake_fd, (*loops)->event_fd, (*loops)->simulation_fd,
+                      (*loops)->haptic_fd, (*loops)->publish_fd};
+    for (size_t i = 0; i < sizeof fd / sizeof *fd; ++i) {
+        if (fd[i] >= 0) {
+            close(fd[i]);
+        }
     }
     ss_mailbox_destroy(&(*loops)->judgement);
     ss_memory_free(*loops);
     *loops = NULL;
+}
+
+void ss_loops_call(ss_loops *loops)
+{
+    ss_wake_signal(loops->simulation_fd);
+    ss_wake_signal(loops->haptic_fd);
+    ss_wake_signal(loops->publish_fd);
 }
 
 /* All that the threads share; NULL after a failure. */
@@ -188,6 +196,9 @@ static softsim_status create(ss_world *world, const ss_options *options, ss_loop
     ss_pace_init(&loops->pace, loops->step_period_ns);
     loops->wake_fd = ss_wake_open();
     loops->event_fd = ss_wake_open();
+    loops->simulation_fd = ss_wake_open();
+    loops->haptic_fd = ss_wake_open();
+    loops->publish_fd = ss_wake_open();
     loops->judgement = ss_mailbox_create(sizeof(ss_judgement));
     loops->stderr_report = (ss_stderr_report){.prefix = options->prefix, .gate = world->gate};
     atomic_store(&loops->mesh_rate_hz, world->scene->mesh_rate_hz);
@@ -196,7 +207,8 @@ static softsim_status create(ss_world *world, const ss_options *options, ss_loop
     if (loops->judgement == NULL) {
         status = SOFTSIM_ERROR_MEMORY;
         softsim_error_add(error, status, "no memory for the loops");
-    } else if (loops->wake_fd < 0 || loops->event_fd < 0) {
+    } else if (loops->wake_fd < 0 || loops->event_fd < 0 || loops->simulation_fd < 0 ||
+               loops->haptic_fd < 0 || loops->publish_fd < 0) {
         status = SOFTSIM_ERROR_SYSTEM;
         softsim_error_add(error, status, "cannot open an eventfd: %s; raise `ulimit -n`",
                           softsim_status_text(status));
@@ -237,6 +249,7 @@ static void serve(ss_loops *loops, const ss_loop_threads *threads)
 static void end_all(ss_loops *loops, ss_loop_threads *threads)
 {
     atomic_store_explicit(&loops->is_ending, true, memory_order_release);
+    ss_loops_call(loops);
     ss_thread_join(&threads->haptic);
     ss_thread_join(&threads->simulation);
     ss_wake_signal(loops->wake_fd);

@@ -91,6 +91,9 @@ static void handle_pose(void *context, const softsim_pose *pose, int32_t channel
         ss_gate_judge(world->gate, pose, channel, receive_ns, &record.sender_epoch);
     if (refusal == SOFTSIM_ACCEPTED) {
         loops->queue_refused += !ss_ring_push(world->probe[channel].poses, &record);
+        if (!loops->is_answering) {
+            ss_wake_signal(loops->haptic_fd);
+        }
     } else if (refusal == SOFTSIM_REFUSED_OTHER_SENDER &&
                ss_gate_may_answer_other(world->gate, pose, channel, receive_ns)) {
         softsim_force force = {.sender = pose->sender,
@@ -156,6 +159,7 @@ static int32_t handle_command(void *context, const char *name, const char *argum
     default:
         break;
     }
+    ss_loops_call(loops);
     return 0;
 }
 
@@ -166,6 +170,7 @@ static void settle_forces(ss_loops *loops)
     ss_force_record record;
     while (ss_ring_pop(loops->world->forces, &record)) {
         const int32_t p = record.force.probe;
+        loops->is_answering = true;
         const int64_t first = loops->last_tick[p] ? loops->last_tick[p] : record.tick - 1;
         const int64_t settled = record.tick - first;
         record.force.utime_us = ss_clock_now_ns() / 1000;

@@ -6,7 +6,10 @@
 
 #include "rt/clock.h"
 #include "rt/memory.h"
+#include "rt/thread.h"
 #include "world/field.h"
+
+static const double SLOWEST_HZ = 5.0;
 
 /* False: not told yet, or no memory. */
 static bool find_values(const ss_world *world, ss_scene_field kind,
@@ -48,12 +51,18 @@ void *ss_loops_publish(void *argument)
     int64_t due = loops->start_ns;
     double max_bytes = atomic_load_explicit(&loops->max_bytes_per_s, memory_order_acquire);
     while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
-        /* At 5 Hz at least, whatever the rate of new states: topology, sweep and commands. */
-        const double rate = atomic_load_explicit(&loops->mesh_rate_hz, memory_order_acquire);
-        const int64_t period = (int64_t)(1e9 / fmax(rate, 5.0));
+        /* At 5 Hz at least, whatever the rate of new states: topology, sweep and commands. Nothing
+         * new comes from a simulation that rests, and it calls when it is woken. */
+        const bool is_resting = atomic_load(&loops->is_resting);
+        const double rate = is_resting
+                                ? SLOWEST_HZ
+                                : atomic_load_explicit(&loops->mesh_rate_hz, memory_order_acquire);
+        const int64_t period = (int64_t)(1e9 / fmax(rate, SLOWEST_HZ));
         const int64_t now = ss_clock_now_ns();
         due = now - due > period ? now : due + period;
-        ss_clock_sleep_until(due);
+        ss_wake_wait(loops->publish_fd, due);
+        const int64_t woken = ss_clock_now_ns();
+        due = due < woken ? due : woken;
         const double new_max = atomic_load_explicit(&loops->max_bytes_per_s, memory_order_acquire);
         if (new_max != max_bytes) {
             max_bytes = new_max;
@@ -68,7 +77,8 @@ void *ss_loops_publish(void *argument)
         const ss_surface_snapshot *snapshot = ss_mailbox_take(loops->world->surface, &is_new);
         const ss_scene_field kind =
             (ss_scene_field)atomic_load_explicit(&loops->world->field, memory_order_acquire);
-        if (kind != SS_SCENE_FIELD_NONE && snapshot && is_new) {
+        if (kind != SS_SCENE_FIELD_NONE && snapshot &&
+            (is_new || ss_publisher_wants_field(loops->publisher))) {
             set_field(loops, kind, snapshot, &field, &value);
         }
         ss_publisher_send(loops->publisher, ss_clock_now_ns(), snapshot ? snapshot->step : 0,

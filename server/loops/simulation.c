@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "loops/state.h"
-/* The simulation loop: one step of the model a period of its own. */
+/*
+ * The simulation loop: one step of the model a period of its own. While the model sleeps and no
+ * tool is in the world it waits to be called, and its steps go by in one.
+ */
 #include "rt/clock.h"
+#include "rt/thread.h"
 
 static const int64_t RATE_PERIOD_NS = 250000000;
+/* How often a simulation that rests tells where it is. */
+static const int64_t REST_NS = 250000000;
 
 void ss_loops_measure_rate(ss_loops *loops)
 {
@@ -24,6 +30,33 @@ void ss_loops_measure_rate(ss_loops *loops)
     }
 }
 
+/* Rests from period `*step` on, for as long as nothing can happen by itself; false: it may not. */
+static bool rest(ss_loops *loops, int64_t *step)
+{
+    ss_world *world = loops->world;
+    const int64_t period = loops->step_period_ns;
+    const int64_t idle = ss_world_idle_steps(world);
+    const int64_t most = REST_NS / period;
+    const int64_t count = idle < most ? idle : most;
+    if (count < 1) {
+        return false;
+    }
+    atomic_store(&loops->is_resting, true);
+    atomic_thread_fence(memory_order_seq_cst);
+    if (!ss_world_has_tool(world)) {
+        ss_wake_wait(loops->simulation_fd, loops->start_ns + (*step + count) * period);
+    }
+    atomic_store(&loops->is_resting, false);
+    const int64_t passed = (ss_clock_now_ns() - loops->start_ns) / period - *step;
+    const int64_t skipped = passed < idle ? passed : idle;
+    if (skipped > 0) {
+        ss_world_skip_steps(world, skipped);
+        *step += skipped;
+        ss_pace_init(&loops->pace, period);
+    }
+    return true;
+}
+
 void *ss_loops_simulation(void *argument)
 {
     ss_loops *loops = argument;
@@ -31,6 +64,7 @@ void *ss_loops_simulation(void *argument)
     int64_t step = 0;
     while (!atomic_load_explicit(&loops->is_ending, memory_order_acquire)) {
         int64_t skipped = 0;
+        const bool has_rested = rest(loops, &step);
         ss_clock_next_period(loops->start_ns, loops->step_period_ns, &step, &skipped);
         world->lag = 1.0 - ss_pace_share(&loops->pace);
         ss_world_step_begin(world);
@@ -38,6 +72,9 @@ void *ss_loops_simulation(void *argument)
         ss_world_step_post(world);
         ss_pace_note(&loops->pace, ss_clock_now_ns());
         ss_loops_measure_rate(loops);
+        if (has_rested && ss_world_idle_steps(world) == 0) {
+            ss_wake_signal(loops->publish_fd);
+        }
     }
     return NULL;
 }

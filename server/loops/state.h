@@ -37,11 +37,15 @@ typedef struct ss_loops {
     int64_t start_ns;
     int64_t period_ns, step_period_ns;
     int wake_fd;           /* haptic -> net */
+    int simulation_fd;     /* net, haptic -> a simulation that sleeps */
+    int haptic_fd;         /* net -> a haptic loop that no probe has called yet */
+    int publish_fd;        /* net, simulation -> publish, while nothing moves */
     int event_fd;          /* net -> main: it listens, or cannot */
     atomic_bool is_ending; /* loops return */
     atomic_bool is_over;   /* main shall end: shutdown, duration in lockstep, broken network */
     atomic_bool is_listening;
-    atomic_int refreshes;                         /* net -> publish */
+    atomic_bool is_resting; /* the simulation waits to be called; sequentially consistent */
+    atomic_int refreshes;   /* net -> publish */
     _Atomic double mesh_rate_hz, max_bytes_per_s; /* net -> publish */
     _Atomic double rate_hz;                       /* simulation -> net: achieved */
     ss_mailbox *judgement;                        /* net -> main: ss_judgement */
@@ -51,6 +55,7 @@ typedef struct ss_loops {
     /* net thread */
     ss_net *net;
     bool takes_commands;
+    bool is_answering;          /* a force was sent: the haptic loop keeps its own time */
     softsim_status open_status; /* main reads it from is_listening on */
     softsim_status net_status;  /* main reads it after the thread's end */
     softsim_error net_error;
@@ -82,6 +87,8 @@ void *ss_loops_haptic(void *argument);
 void *ss_loops_simulation(void *argument);
 void *ss_loops_publish(void *argument);
 
+/* Every loop that waits looks at what there is. Thread: net, main. */
+void ss_loops_call(ss_loops *loops);
 /* Main shall end. Thread: any. */
 static inline void ss_loops_end(ss_loops *loops)
 {

@@ -171,6 +171,9 @@ typedef struct ss_model_class {
     /* Of a model with more nodes than its plan, or others: displacement and velocity then tell of
      * all of them. NULL: the plan's mesh. */
     void (*shape)(const ss_model *model, ss_model_shape *out);
+    /* `steps` were left out, in which it was at rest: what is done every few steps keeps its turn.
+     * NULL: nothing is. RT-safe. */
+    void (*slept)(ss_model *model, int64_t steps);
     /* Sets row `index` while running (rows with is_live); NULL without any. RT-safe. */
     void (*set)(ss_model *model, int32_t index, double value);
 } ss_model_class;

@@ -161,7 +161,8 @@ softsim_status ss_publisher_open(const ss_publisher_config *config, const ss_pub
                                  ss_publisher **out_publisher, softsim_error *error);
 void ss_publisher_close(ss_publisher **publisher);
 /* Sends what is due at `now_ns`: topology chunks (every 2 s and after refresh), deltas of the nodes
- * that are off by more than half a count from what was last sent of them, and the rolling refresh;
+ * that are off by more than half a count from what was last sent of them, and the rolling refresh
+ * (both every 10 s of a surface at rest);
  * at most two messages a call, fields included, so that a default receive buffer holds them: call
  * it at display rate. `displacement`: 3 floats a surface node, NULL when there is no new state
  * (`step` is ignored then). Thread: publish. */
@@ -174,6 +175,9 @@ void ss_publisher_send(ss_publisher *publisher, int64_t now_ns, int64_t step,
  * publish. */
 void ss_publisher_set_field(ss_publisher *publisher, int64_t now_ns, int64_t step, const char *name,
                             const char *unit, const float *value);
+/* Is the field to be set though there is no new state? Who comes late has not had it. Thread:
+ * publish. */
+bool ss_publisher_wants_field(const ss_publisher *publisher);
 /* Topology and every displaced node again, from the next send on. Thread: publish. */
 void ss_publisher_refresh(ss_publisher *publisher);
 /* Bytes of messages in any one second, at least 1000. Thread: publish. */

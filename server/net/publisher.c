@@ -9,7 +9,9 @@
  * half a count. Against loss, and for readers who join late, a cursor sweeps all nodes every
  * 0.8 s and sends again those that were ever displaced, back at rest or not: nothing needs a
  * handshake. The topology goes out every 2 s in chunks that say which nodes and triangles they
- * hold; its number is a hash of the mesh, so that a restarted server continues the same one.
+ * hold; its number is a hash of the mesh, so that a restarted server continues the same one. Where
+ * no count has changed for 3 s, and the sweep has passed three times since, only a round every 10 s
+ * goes out, and the sweep and the field once with it.
  *
  * What limits it: a message is one UDP packet (65,000 B); at most two messages a call, which
  * a stock receive buffer of 212,992 B takes even when nobody reads in between; and a token bucket
@@ -51,6 +53,9 @@ static const double LATE_S = 0.2;
 static const float FIELD_FADE = 0.98F;             /* of the range, a message */
 static const int64_t FIELD_PERIOD_NS = 1000000000; /* of one that does not change */
 static const int64_t TOPOLOGY_PERIOD_NS = 2000000000;
+/* A body at rest: since when nothing has changed, and its rounds, less the caller's period. */
+static const int64_t REST_NS = 3000000000;
+static const int64_t REST_PERIOD_NS = 9700000000;
 static const double MIN_BYTES_PER_S = 1000.0;
 
 typedef enum send_result { SENT, NOTHING_DUE, OUT_OF_TOKENS } send_result;
@@ -68,6 +73,9 @@ struct ss_publisher {
     int32_t message_limit;            /* bytes, <= depth */
     bool has_started;
     int64_t last_ns;
+    bool is_changed;    /* a count, since the last call; or all is asked for */
+    int64_t changed_ns; /* when that was last */
+    bool wants_field;   /* to go out once more, with the round of a body at rest */
 
     /* Topology round. */
     bool is_round_open, is_round_wanted, is_topology_turn;
@@ -112,6 +120,12 @@ struct ss_publisher {
 };
 
 /* ---- rate ---- */
+
+/* Has no count changed for a while? */
+static bool is_resting(const ss_publisher *publisher, int64_t now_ns)
+{
+    return now_ns - publisher->changed_ns >= REST_NS;
+}
 
 void ss_publisher_set_max_bytes(ss_publisher *publisher, double max_bytes_per_s)
 {
@@ -190,9 +204,15 @@ static send_result send_topology(ss_publisher *publisher, int64_t now_ns)
 
 static void open_round_when_due(ss_publisher *publisher, int64_t now_ns)
 {
+    const bool rests = is_resting(publisher, now_ns);
+    const int64_t period_ns = rests ? REST_PERIOD_NS : TOPOLOGY_PERIOD_NS;
     const bool is_due =
-        !publisher->is_round_open && now_ns - publisher->round_start_ns >= TOPOLOGY_PERIOD_NS;
+        !publisher->is_round_open && now_ns - publisher->round_start_ns >= period_ns;
     if (is_due || publisher->is_round_wanted) {
+        if (rests) {
+            publisher->sweep_due = publisher->mesh.node_count;
+            publisher->wants_field = true;
+        }
         publisher->is_round_open = true;
         publisher->is_round_wanted = false;
         publisher->round_start_ns = now_ns;
@@ -217,6 +237,7 @@ static void quantize(ss_publisher *publisher, const float *displacement)
             const double counts = rint((double)u[d] * counts_per_m);
             const double clamped = fmin(fmax(counts, -MAX_COUNT), MAX_COUNT);
             is_clamping |= clamped != counts;
+            publisher->is_changed |= publisher->latest[i][d] != (int16_t)clamped;
             publisher->latest[i][d] = (int16_t)clamped;
         }
     }
@@ -330,7 +351,8 @@ void ss_publisher_set_field(ss_publisher *publisher, int64_t now_ns, int64_t ste
         publisher->is_field_signed |= value[i] < 0.0F;
     }
     const float reach = fmaxf(fmaxf(largest, FIELD_FADE * publisher->field_reach), 1e-12F);
-    bool is_changed = reach != publisher->field_reach;
+    bool is_changed = reach != publisher->field_reach || publisher->wants_field;
+    publisher->wants_field = false;
     publisher->field_reach = reach;
     for (int32_t i = 0; i < count; ++i) {
         const float share = isfinite(value[i]) ? value[i] / reach : 0.0F;
@@ -339,7 +361,8 @@ void ss_publisher_set_field(ss_publisher *publisher, int64_t now_ns, int64_t ste
         is_changed |= publisher->field[i] != counts;
         publisher->field[i] = counts;
     }
-    if (is_changed || now_ns - publisher->field_ns >= FIELD_PERIOD_NS) {
+    const int64_t period_ns = is_resting(publisher, now_ns) ? REST_PERIOD_NS : FIELD_PERIOD_NS;
+    if (is_changed || now_ns - publisher->field_ns >= period_ns) {
         publisher->field_cursor = 0;
         publisher->field_step = step;
         publisher->field_ns = now_ns;
@@ -484,6 +507,12 @@ void ss_publisher_refresh(ss_publisher *publisher)
 {
     publisher->is_round_wanted = true;
     publisher->sweep_due = publisher->mesh.node_count;
+    publisher->wants_field = true;
+}
+
+bool ss_publisher_wants_field(const ss_publisher *publisher)
+{
+    return publisher->wants_field;
 }
 
 /* Lets time pass for the bucket, the sweep and the topology. */
@@ -495,14 +524,19 @@ static void advance(ss_publisher *publisher, int64_t now_ns)
         publisher->is_topology_turn = true;
         publisher->last_ns = now_ns;
         publisher->sweep_kept_ns = now_ns;
+        publisher->changed_ns = now_ns;
     }
+    publisher->changed_ns = publisher->is_changed ? now_ns : publisher->changed_ns;
+    publisher->is_changed = false;
     const double passed_s =
         now_ns > publisher->last_ns ? (double)(now_ns - publisher->last_ns) * 1e-9 : 0.0;
     const double nodes = publisher->mesh.node_count;
     publisher->last_ns = now_ns;
     publisher->tokens =
         fmin(publisher->tokens + publisher->fill_per_s * passed_s, publisher->depth);
-    publisher->sweep_due = fmin(publisher->sweep_due + nodes * passed_s / SWEEP_S, nodes);
+    if (!is_resting(publisher, now_ns)) {
+        publisher->sweep_due = fmin(publisher->sweep_due + nodes * passed_s / SWEEP_S, nodes);
+    }
     open_round_when_due(publisher, now_ns);
 }
 
@@ -510,7 +544,8 @@ static void advance(ss_publisher *publisher, int64_t now_ns)
 static void judge_lateness(ss_publisher *publisher, int64_t now_ns)
 {
     const double nodes = publisher->mesh.node_count;
-    if (publisher->sweep_due <= fmax(1.0, nodes * LATE_S / SWEEP_S)) {
+    if (publisher->sweep_due <= fmax(1.0, nodes * LATE_S / SWEEP_S) ||
+        is_resting(publisher, now_ns)) {
         publisher->sweep_kept_ns = now_ns;
     }
     const bool is_sweep_late = (double)(now_ns - publisher->sweep_kept_ns) * 1e-9 > LATE_S;

@@ -8,6 +8,7 @@
 #include "rt/thread.h"
 
 #include <errno.h>
+#include <poll.h>
 #include <pthread.h>
 #include <sched.h>
 #include <stdio.h>
@@ -19,6 +20,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "rt/clock.h"
 #include "rt/memory.h"
 
 enum {
@@ -187,4 +189,16 @@ void ss_wake_drain(int fd)
     uint64_t count = 0; /* one read resets the counter; EAGAIN when there was no signal */
     const ssize_t taken = read(fd, &count, sizeof count);
     (void)taken;
+}
+
+void ss_wake_wait(int fd, int64_t deadline_ns)
+{
+    struct pollfd wait = {.fd = fd, .events = POLLIN};
+    const int64_t left_ns = deadline_ns - ss_clock_now_ns();
+    if (left_ns > 0) {
+        const struct timespec timeout = {.tv_sec = left_ns / 1000000000,
+                                         .tv_nsec = left_ns % 1000000000};
+        (void)ppoll(&wait, 1, &timeout, NULL); /* a signal wakes it early, which does no harm */
+    }
+    ss_wake_drain(fd);
 }

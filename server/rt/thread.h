@@ -8,8 +8,9 @@
  * socket, LCM or print, no unbounded loop, no page fault (memory locked and touched), no
  * denormals (mode set at thread start), no first-use initialisation, no call of a function that
  * is not marked RT-safe. Exchange only through mailbox.h and ring.h. Late is recorded, never
- * caught up by running twice. The exceptions: ss_clock_sleep_until, and ss_wake_signal (an
- * eventfd write) by which the haptic loop wakes the net thread.
+ * caught up by running twice. The exceptions: ss_clock_sleep_until; ss_wake_signal (an eventfd
+ * write) by which the haptic loop wakes the net thread, and a simulation that sleeps; and
+ * ss_wake_wait, in which a loop waits that has nothing to do.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -41,3 +42,5 @@ void ss_thread_restore_denormals(uint64_t before);
 int ss_wake_open(void); /* -1 on failure */
 void ss_wake_signal(int fd);
 void ss_wake_drain(int fd);
+/* Until it is signalled, or the monotonic clock reads `deadline_ns`; drains it. */
+void ss_wake_wait(int fd, int64_t deadline_ns);

@@ -54,6 +54,9 @@ typedef struct ss_scene_tool {
     ss_shape shape;
 } ss_scene_tool;
 
+/* Is a body at rest stepped? */
+typedef enum ss_scene_sleep { SS_SCENE_SLEEP_AUTO, SS_SCENE_SLEEP_OFF } ss_scene_sleep;
+
 typedef enum ss_scene_between { SS_SCENE_HOLD, SS_SCENE_LINEAR, SS_SCENE_LOCAL } ss_scene_between;
 
 /* What the surface's nodes are coloured by on the wire. */
@@ -85,6 +88,7 @@ typedef struct ss_scene {
     double grasp_max_force_n;          /* NaN: no grasp is torn */
     double simulation_rate_hz;         /* 0: auto */
     int32_t max_substeps;
+    ss_scene_sleep sleep;
     double gravity[3];
     ss_scene_between between_steps;
     double haptic_rate_hz, max_force_n, max_slew_n_per_s, coupling_stiffness_n_per_m,

@@ -28,7 +28,7 @@
 #define FIELD(member)                                                                              \
     .field = 1 + (int32_t)offsetof(ss_scene, member) *                                             \
                      _Generic(((ss_scene *)NULL)->member, double : 1, double * : 1, int32_t : 1,   \
-                              ss_scene_between : 1, ss_scene_field : 1)
+                              ss_scene_between : 1, ss_scene_field : 1, ss_scene_sleep : 1)
 #define LIVE(key) .live = 1 + (int32_t)(key)
 
 /* Bounds that only stop nonsense: coordinates in m, and times in s. */
@@ -205,6 +205,9 @@ static const ss_scene_row simulation_row[] = {
         "in real time, of a step of up to 4 ms, of longer ones more; where that is not enough: "
         "slower than real time, and flagged",
         SS_FROM(1, 1e5), .fallback = 64, FIELD(max_substeps)),
+    ROW(CHOICE, "sleep",
+        "auto: a body that has been at rest for a second is not stepped until something reaches it",
+        .choices = "auto|off", .fallback = SS_SCENE_SLEEP_AUTO, FIELD(sleep)),
 };
 static const ss_scene_row coupling_row[] = {
     ROW(NUMBER, "stiffness_n_per_m", "the stiffest the hand may feel", .unit = "N/m",

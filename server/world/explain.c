@@ -92,6 +92,12 @@ static void explain_loops(const ss_world *world, const ss_notes *out)
     ss_note_used(out, "threads", "%s%s%s%s%s%s%s", names[0], count > 1 ? ", " : "",
                  count > 1 ? names[1] : "", count > 2 ? ", " : "", count > 2 ? names[2] : "",
                  count > 3 ? ", " : "", count > 3 ? names[3] : "");
+    if (world->sleep) {
+        ss_note_used(out, "simulation.sleep",
+                     "a body at rest for a second is not stepped until something reaches it");
+    } else {
+        ss_note_left_out(out, "sleep of a body at rest", "simulation.sleep is off");
+    }
     if (!world->used_probes) {
         ss_note_left_out(out, "haptic thread, contact surface", "no tools");
     }

@@ -150,7 +150,11 @@ static softsim_status build_model(ss_world *world, double step_s, softsim_error 
                      scene->mesh->node_count);
     const softsim_status status = ss_model_create(world->model_class, &plan, &world->model, &fault);
     pass_on(scene->path, &fault, error);
-    return status;
+    if (status != SOFTSIM_OK || scene->sleep == SS_SCENE_SLEEP_OFF) {
+        return status;
+    }
+    world->sleep = ss_sleep_create(world->model_class, world->model, &plan);
+    return world->sleep ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
 ss_between_steps ss_world_between(ss_scene_between from)
@@ -464,6 +468,7 @@ void ss_world_destroy(ss_world **world_pointer)
     if (!world) {
         return;
     }
+    ss_sleep_destroy(&world->sleep);
     if (world->model) {
         world->model_class->destroy(world->model);
     }

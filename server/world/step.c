@@ -36,9 +36,19 @@ static const double MAX_SEARCH_WAIT = 1.0;
  * after 0.16 s at most (a ventricle pressed by 16 mm). */
 static const double DEFORMED_TIME = 1.0;
 
+/* What a step has of its tools. */
+typedef struct ss_world_tools {
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    double velocity[SOFTSIM_MAX_PROBES][3]; /* m/s */
+    double near[SOFTSIM_MAX_PROBES];        /* m */
+} ss_world_tools;
+
 static void run_simulation_command(ss_world *world, const ss_command_record *command)
 {
     ss_loop_hear(&world->simulation_run, command->kind);
+    if (world->sleep) {
+        ss_sleep_wake(world->sleep);
+    }
     if (command->kind == SS_COMMAND_RESET) {
         world->is_hashed = false;
         world->deformed_until = world->steps;
@@ -140,6 +150,13 @@ static void limit_tool_speed(const ss_tool_pose *last, double period, ss_tool_po
     }
 }
 
+/* What is near is told from so far away, m. */
+static double near_distance(const ss_world *world, const double velocity[3])
+{
+    const double span = (LAG_PERIODS + 1.0) * world->step_period;
+    return fmax(NEAR_M, 0.5 * HAND_ACCELERATION * span * span) + ss_norm3(velocity) * span;
+}
+
 /* Where tool p goes during this step: swept from the last predicted proxy to the new one, or
  * placed there when it has just come. After a reset or resume it is out of the model until the
  * haptic loop, which ramps its force down first, has placed it again: a body at rest is never
@@ -205,11 +222,13 @@ static void note_touch(ss_world *world, ss_world_probe *probe)
     }
 }
 
+/* What tool p touches; a model that slept through the step goes on to tell what it told. */
 static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
-                          const double velocity[3], const ss_model_info *info)
+                          const double velocity[3], const ss_model_info *info, bool is_asleep)
 {
     ss_world_probe *probe = &world->probe[p];
     ss_simulation_result *out = &probe->computed;
+    const ss_contact_set last = out->set;
     *out = (ss_simulation_result){.tick = probe->step_target.tick,
                                   .step = world->steps,
                                   .period = world->step_period,
@@ -230,59 +249,126 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
     ss_copy3(out->velocity, velocity);
     out->is_found_inside = probe->is_found_inside;
     ss_copy3(out->outward, probe->outward);
-    const double span = (LAG_PERIODS + 1.0) * world->step_period;
-    const double near =
-        fmax(NEAR_M, 0.5 * HAND_ACCELERATION * span * span) + ss_norm3(velocity) * span;
-    world->model_class->contacts(world->model, p, near, &out->set);
+    if (is_asleep) {
+        out->set = last;
+    } else {
+        world->model_class->contacts(world->model, p, near_distance(world, velocity), &out->set);
+    }
     note_touch(world, probe);
+}
+
+/* Where all tools go, and from how far away what is near is told. */
+static void plan_tools(ss_world *world, ss_world_tools *out)
+{
+    *out = (ss_world_tools){0};
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (world->probe[p].is_used) {
+            out->tool[p] = plan_tool(world, p, out->velocity[p]);
+            out->near[p] = near_distance(world, out->velocity[p]);
+        }
+    }
+}
+
+/* How tools and energies stand after a step that went that share of the way; returns how far the
+ * tools went, m. Of a model that sleeps those that touch stand, the others go on. */
+static double settle_tools(ss_world *world, ss_world_tools *tools, double travelled, bool is_asleep)
+{
+    double motion = 0.0;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        ss_model_tool *tool = &tools->tool[p];
+        if (tool->is_present) {
+            if (is_asleep && !ss_sleep_is_tool_free(world->sleep, p)) {
+                tool->to = tool->from;
+                ss_set3(tools->velocity[p], 0.0, 0.0, 0.0);
+            }
+            correct_for_travel(world, &world->probe[p], travelled, tool, tools->velocity[p]);
+            motion += ss_tool_motion_bound(&world->scene->tool[p].shape, &tool->from, &tool->to);
+        }
+    }
+    return motion;
+}
+
+static void watch_sleep(ss_world *world, const ss_world_tools *tools, const ss_model_info *info)
+{
+    const ss_contact_set *set[SOFTSIM_MAX_PROBES];
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        set[p] = &world->probe[p].computed.set;
+    }
+    ss_sleep_watch(world->sleep, (double)(world->steps - 1) * world->step_period, tools->tool,
+                   tools->near, info, set);
 }
 
 void ss_world_step_compute(ss_world *world)
 {
-    const int64_t cpu_start = ss_clock_thread_cpu_ns();
-    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {0};
-    double velocity[SOFTSIM_MAX_PROBES][3] = {{0}};
-    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        if (world->probe[p].is_used) {
-            tool[p] = plan_tool(world, p, velocity[p]);
-        }
-    }
-    ss_model_info info;
     const bool is_still =
         world->simulation_run.is_paused || world->energy.verdict == SOFTSIM_VERDICT_FAULT;
-    if (!is_still) {
-        world->model_class->step(world->model, (double)world->steps * world->step_period,
-                                 world->step_period, tool);
-        ++world->steps;
-        world->is_hashed = false;
+    const double time = (double)world->steps * world->step_period;
+    ss_world_tools tools;
+    plan_tools(world, &tools);
+    const bool is_asleep =
+        world->sleep && !is_still && ss_sleep_goes_on(world->sleep, time, tools.tool, tools.near);
+    const bool is_stepped = !is_still && !is_asleep;
+    const int64_t cpu_start = is_asleep ? 0 : ss_clock_thread_cpu_ns();
+    ss_model_info info;
+    if (is_stepped) {
+        world->model_class->step(world->model, time, world->step_period, tools.tool);
     }
+    world->steps += is_still ? 0 : 1;
+    world->is_hashed = world->is_hashed && is_still;
+    world->has_new_surface = world->has_new_surface || !is_asleep;
     world->model_class->info(world->model, &info);
-    world->substeps += is_still ? 0 : info.substeps;
-    const double travelled = is_still ? 0.0 : info.travelled;
-    double motion = 0.0;
-    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        if (tool[p].is_present) {
-            correct_for_travel(world, &world->probe[p], travelled, &tool[p], velocity[p]);
-            motion +=
-                ss_tool_motion_bound(&world->scene->tool[p].shape, &tool[p].from, &tool[p].to);
-        }
-    }
+    world->substeps += is_stepped ? info.substeps : 0;
+    const double travelled = is_still ? 0.0 : is_asleep ? 1.0 : info.travelled;
+    const double motion = settle_tools(world, &tools, travelled, is_asleep);
     if (!is_still) {
         ss_energy_watch_step(&world->energy, &info, motion, world->step_period);
     }
     ss_energy_watch_judge(&world->energy, &info);
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (world->probe[p].is_used) {
-            read_contacts(world, p, &tool[p], velocity[p], &info);
+            read_contacts(world, p, &tools.tool[p], tools.velocity[p], &info, is_asleep);
         }
+    }
+    if (is_stepped && world->sleep) {
+        watch_sleep(world, &tools, &info);
     }
     ss_world_judge_sinking(world, &info);
     if (info.verdict > world->worst_verdict) {
         world->worst_verdict = info.verdict;
         world->worst_reason = info.reason;
     }
-    const int64_t now = ss_clock_now_ns();
-    ss_histogram_add(world->step_time, now, 1e-3 * (double)(ss_clock_thread_cpu_ns() - cpu_start));
+    if (!is_asleep) {
+        ss_histogram_add(world->step_time, ss_clock_now_ns(),
+                         1e-3 * (double)(ss_clock_thread_cpu_ns() - cpu_start));
+    }
+}
+
+int64_t ss_world_idle_steps(const ss_world *world)
+{
+    if (!world->sleep || !ss_sleep_is_asleep(world->sleep) || ss_world_has_tool(world)) {
+        return 0;
+    }
+    const double left = ss_sleep_until(world->sleep) - (double)world->steps * world->step_period;
+    return isfinite(left) ? (int64_t)fmax(0.0, left / world->step_period - 1.0) : INT32_MAX;
+}
+
+void ss_world_skip_steps(ss_world *world, int64_t count)
+{
+    world->steps += count;
+    world->is_hashed = false;
+    ss_sleep_skip(world->sleep, count);
+}
+
+bool ss_world_has_tool(const ss_world *world)
+{
+    bool is_any = false;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        const ss_world_probe *probe = &world->probe[p];
+        const ss_proxy_target *target =
+            probe->is_used ? ss_mailbox_take(probe->target, NULL) : NULL;
+        is_any = is_any || (target && target->is_present);
+    }
+    return is_any;
 }
 
 static void post_surface(ss_world *world)
@@ -299,9 +385,7 @@ static void post_surface(ss_world *world)
         }
     }
     const ss_model_potential *potential = world->model_class->potential;
-    snapshot->has_source =
-        potential != NULL &&
-        atomic_load_explicit(&world->field, memory_order_relaxed) == SS_SCENE_FIELD_POTENTIAL;
+    snapshot->has_source = potential != NULL && world->shown_field == SS_SCENE_FIELD_POTENTIAL;
     if (snapshot->has_source) {
         potential->tell(world->model, snapshot->number + 3 * (size_t)node_count);
     }
@@ -317,7 +401,11 @@ void ss_world_step_post(ss_world *world)
             ss_mailbox_post(probe->result);
         }
     }
-    if (world->surface && ++world->periods % world->snapshot_every == 0) {
+    const int field = atomic_load_explicit(&world->field, memory_order_relaxed);
+    if (world->surface && ++world->periods % world->snapshot_every == 0 &&
+        (world->has_new_surface || field != world->shown_field)) {
+        world->has_new_surface = false;
+        world->shown_field = field;
         post_surface(world);
     }
     ss_simulation_stats *stats = ss_mailbox_draft(world->simulation_stats);

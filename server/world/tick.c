@@ -65,6 +65,8 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
     ss_haptic_tick(probe->haptic, &input, &output);
     *(ss_proxy_target *)ss_mailbox_draft(probe->target) = output.target;
     ss_mailbox_post(probe->target);
+    world->is_answering |= output.has_force;
+    world->has_target |= output.target.is_present;
     if (output.has_force) {
         const ss_force_record out = {.force = output.force, .tick = tick, .due_ns = due_ns};
         ss_ring_push(world->forces, &out);
@@ -101,6 +103,7 @@ void ss_world_haptic_tick(ss_world *world, int64_t tick, int64_t due_ns, int64_t
         run_haptic_command(world, &command);
     }
     ss_haptic_stats stats = {0};
+    world->has_target = false;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         if (world->probe[p].is_used) {
             tick_probe(world, p, tick, due_ns, &stats);

@@ -60,6 +60,9 @@ void ss_world_info(const ss_world *world, ss_model_info *out_info)
 {
     const ss_mesh *mesh = world->scene->mesh;
     world->model_class->info(world->model, out_info);
+    if (world->sleep && ss_sleep_is_asleep(world->sleep)) {
+        out_info->active_nodes = out_info->substeps = 0;
+    }
     /* The limiting tetrahedron, or node of a model that has nodes only: in the file's numbers. */
     if (out_info->worst_element >= 0) {
         out_info->worst_element = world->model_class->needs_volume

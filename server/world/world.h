@@ -23,6 +23,7 @@
 #include "contact/contact.h"
 #include "haptic/haptic.h"
 #include "models/model.h"
+#include "models/sleep.h"
 #include "net/net.h"
 #include "rt/histogram.h"
 #include "rt/mailbox.h"
@@ -125,6 +126,7 @@ typedef struct ss_world {
     ss_scene *scene;
     const ss_model_class *model_class;
     ss_model *model; /* simulation thread */
+    ss_sleep *sleep; /* simulation thread; NULL: simulation.sleep is off */
     ss_gate *gate;   /* net thread */
     ss_haptic_config haptic_config;
     ss_world_probe probe[SOFTSIM_MAX_PROBES];
@@ -158,6 +160,8 @@ typedef struct ss_world {
     int64_t superseded, late_periods;
     double taken_j; /* J, from all devices up to the last tick */
     ss_loop_run haptic_run;
+    bool is_answering;                /* a probe has had its first pose */
+    bool has_target;                  /* a tool is in the world, by the last targets */
     ss_hand_verdict hand, worst_hand; /* lately; ever. Read by the lockstep thread too */
     atomic_bool is_stopping;          /* any -> haptic */
 
@@ -171,6 +175,8 @@ typedef struct ss_world {
     uint64_t hash;
     double lag; /* as in the stats */
     ss_energy_watch energy;
+    bool has_new_surface;   /* since the last snapshot */
+    int shown_field;        /* in it: ss_scene_field */
     int32_t snapshot_every; /* periods between surface snapshots; 0: no publisher */
     int64_t periods;        /* so far, those of a pause too: what a command changes then is shown */
     double step_quantiles[3];
@@ -243,6 +249,14 @@ void ss_world_judge_sinking(const ss_world *world, ss_model_info *info);
 void ss_world_step_begin(ss_world *world);
 void ss_world_step_compute(ss_world *world);
 void ss_world_step_post(ss_world *world);
+
+/* While the model sleeps and no tool is in the world: how many steps from now on nothing can happen
+ * in but by a command or a tool; else 0. Thread: simulation; RT-safe. */
+int64_t ss_world_idle_steps(const ss_world *world);
+/* They went by. Thread: simulation; RT-safe. */
+void ss_world_skip_steps(ss_world *world, int64_t count);
+/* Is any tool in the world by the newest proxy targets? Thread: simulation; RT-safe. */
+bool ss_world_has_tool(const ss_world *world);
 
 /* Lockstep: judges the poses and moves the world by one tick; out_force as softsim_tick. */
 softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose, const int32_t *channel,

@@ -387,19 +387,51 @@ TEST(only_what_moved_is_sent)
     sheet_free(s);
 }
 
+/* All but one still for `seconds`, topology rounds between: each was told in the last `most` s. */
+static void expect_all_told(sheet *s, int seconds, int64_t most, bool moves)
+{
+    for (int i = 0; i < 60 * seconds; ++i) {
+        for (int32_t n = 0; n < NODES; ++n) {
+            assert_true(s->now_ns - s->read_ns[n] <= 1000 * MS * most);
+        }
+        s->displacement[0][0] += moves ? 2.0f * s->scale : 0.0f;
+        sheet_send(s, 1, &s->displacement[0][0]);
+        assert_false(ss_publisher_is_capped(s->publisher));
+    }
+}
+
 TEST(every_displaced_node_comes_again_within_a_second)
 {
     uint64_t seed = 4;
     sheet *s = sheet_make_moved(&seed);
     assert_true(sheet_error(s) <= 0.5 + 1e-3);
-    /* Still for four seconds, topology rounds between. */
-    for (int i = 0; i < 240; ++i) {
-        for (int32_t n = 0; n < NODES; ++n) {
-            assert_true(s->now_ns - s->read_ns[n] <= 1000 * MS);
-        }
+    expect_all_told(s, 4, 1, true);
+    sheet_free(s);
+}
+
+/* A reader who joins then has all within ten seconds, or at once by a refresh; beside the rounds,
+ * each with every displaced node, nothing goes out. */
+TEST(at_rest_mesh_and_displaced_nodes_come_every_ten_seconds)
+{
+    uint64_t seed = 6;
+    sheet *s = sheet_make_moved(&seed);
+    expect_all_told(s, 5, 1 + 3, false);
+    const int64_t before = ss_publisher_bytes(s->publisher);
+    expect_all_told(s, 30, 10, false);
+    const int64_t in_rounds = ss_publisher_bytes(s->publisher) - before;
+    memset(s->read, 0, sizeof s->read);
+    const int64_t asked = ss_publisher_bytes(s->publisher);
+    ss_publisher_refresh(s->publisher);
+    for (int i = 0; i < 10; ++i) {
         sheet_send(s, 1, NULL);
-        assert_false(ss_publisher_is_capped(s->publisher));
     }
+    const int64_t round = ss_publisher_bytes(s->publisher) - asked;
+    print_message("%lld bytes in 30 s, %lld a round\n", (long long)in_rounds, (long long)round);
+    assert_true(sheet_error(s) <= 0.5 + 1e-3);
+    assert_true(in_rounds >= 2 * round && in_rounds <= 4 * round);
+    /* What moves again is told as ever. */
+    expect_all_told(s, 2, 10, true);
+    expect_all_told(s, 3, 1, true);
     sheet_free(s);
 }
 

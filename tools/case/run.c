@@ -98,7 +98,7 @@ static softsim_status write_scene(const ss_static_plan *plan, double level, cons
         fputs("  fixed: [{nodes: fixed.txt}]\n", file);
     }
     fprintf(file,
-            "model:\n%ssimulation: {max_substeps: %d}\npublish: {mesh_rate_hz: 0}\n"
+            "model:\n%ssimulation: {max_substeps: %d, sleep: off}\npublish: {mesh_rate_hz: 0}\n"
             "gravity_m_s2: [%.17g, %.17g, %.17g]\n",
             plan->model, MAX_SUBSTEPS, gravity[0], gravity[1], gravity[2]);
     if (b->pushed_count > 0) {

@@ -28,6 +28,7 @@ static ss_world *open_world(const ss_press_scene *scene, const char *patch, soft
 {
     const char *set[MAX_SETS];
     int32_t count = 0;
+    set[count++] = "simulation.sleep=off"; /* what is measured is where a press ends */
     for (int32_t i = 0; i < scene->set_count && count < MAX_SETS - 1; ++i) {
         set[count++] = scene->set[i];
     }

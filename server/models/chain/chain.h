@@ -206,6 +206,8 @@ void ss_chain_felt_reset(ss_model *model);
 /* Sets the stiffness that tool `probe`, which touches, is told along unit `normal` (tool->felt);
  * returns the viscosity, N s/m. */
 double ss_chain_feel(ss_model *model, int probe, const double normal[3]);
+/* As of ss_model_class. */
+void ss_chain_slept(ss_model *model, int64_t steps);
 
 /* ---- coarse.c ---- */
 softsim_status ss_chain_coarse_create(ss_model *model, int32_t cells, bool is_aggregated);

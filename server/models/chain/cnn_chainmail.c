@@ -311,4 +311,5 @@ SS_MODEL_CLASS(ss_model_cnn_chainmail, "cnn-chainmail",
                SS_MODEL_PARTS(ss_model, &hints, ss_chain_rows, ss_chain_step_cost_us, build,
                               destroy, ss_chain_step, ss_chain_explain),
                SS_MODEL_STATE(ss_chain_contacts, reset, info, displacement, velocity, reaction,
-                              hash_state));
+                              hash_state),
+               .slept = ss_chain_slept);

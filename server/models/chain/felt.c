@@ -329,3 +329,12 @@ double ss_chain_feel(ss_model *model, int probe, const double normal[3])
     keep(model, probe);
     return model->tool[probe].viscosity;
 }
+
+void ss_chain_slept(ss_model *model, int64_t steps)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES && model->felt != NULL; ++k) {
+        if (model->tools.tool[k].was_touching) {
+            model->felt->last[k].age += (int32_t)(steps % EVERY);
+        }
+    }
+}

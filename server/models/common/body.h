@@ -62,6 +62,8 @@ typedef struct ss_body_elastic {
     void (*after_substep)(void *owner, ss_body *body, double h);
     /* Back to rest (NULL: nothing to do): whatever of the model is state beside (u, v). */
     void (*reset)(void *owner);
+    /* As of ss_model_class (NULL: nothing). */
+    void (*slept)(void *owner, int64_t steps);
     /* FNV-1a of that state (NULL: none). */
     uint64_t (*hash)(const void *owner, uint64_t seed);
     /* s, viscosity over stiffness: motions y meet y.C y = viscous_time y.K y; 0 without. */
@@ -170,13 +172,14 @@ const ss_real *ss_body_model_displacement(const ss_model *model);
 const ss_real *ss_body_model_velocity(const ss_model *model);
 void ss_body_model_reaction(const ss_model *model, int32_t set, double out_force[3]);
 uint64_t ss_body_model_hash(const ss_model *model, uint64_t seed);
+void ss_body_model_slept(ss_model *model, int64_t steps);
 
 /* SS_MODEL_STATE of such a class, by what gives info, displacement and velocity: those above where
  * the model adds nothing to them (SS_BODY_MOTION are the last two). */
 #define SS_BODY_STATE(info_of, ...)                                                                \
     SS_MODEL_STATE(ss_body_model_contacts, ss_body_model_reset, info_of, __VA_ARGS__,              \
                    ss_body_model_reaction, ss_body_model_hash),                                    \
-        .takes_friction = true
+        .takes_friction = true, .slept = ss_body_model_slept
 #define SS_BODY_MOTION ss_body_model_displacement, ss_body_model_velocity
 
 /* ---- the same of the body, for models that add to it ---- */
@@ -187,6 +190,7 @@ void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set 
 void ss_body_info(const ss_body *body, ss_model_info *out);
 void ss_body_reaction(const ss_body *body, int32_t set, double out_force[3]);
 uint64_t ss_body_hash(const ss_body *body, uint64_t seed);
+void ss_body_slept(ss_body *body, int64_t steps);
 void ss_body_reset(ss_body *body);
 /* Lines about masses, tools, contact stiffness, what is left out. Thread: set-up only. */
 void ss_body_explain(const ss_body *body, const ss_notes *out);

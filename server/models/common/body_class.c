@@ -49,6 +49,11 @@ void ss_body_model_reaction(const ss_model *model, int32_t set, double out_force
     ss_body_reaction(read_body_of(model), set, out_force);
 }
 
+void ss_body_model_slept(ss_model *model, int64_t steps)
+{
+    ss_body_slept(body_of(model), steps);
+}
+
 uint64_t ss_body_model_hash(const ss_model *model, uint64_t seed)
 {
     return ss_body_hash(read_body_of(model), seed);

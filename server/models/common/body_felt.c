@@ -323,6 +323,19 @@ void ss_body_contacts(ss_body *body, int32_t probe, double near, ss_contact_set 
     tool->was_touching = ss_tool_is_touching(tool);
 }
 
+void ss_body_slept(ss_body *body, int64_t steps)
+{
+    const ss_body_elastic *law = &body->own.elastic;
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        if (body->tools.tool[k].was_touching) {
+            body->felt[k].age += (int32_t)(steps % SWIFT_EVERY);
+        }
+    }
+    if (law->slept) {
+        law->slept(law->owner, steps);
+    }
+}
+
 /* ---- at rest ---- */
 
 /* The node of the contact surface whose area is nearest the mean: neither at the rim nor a special

@@ -380,6 +380,11 @@ static bool is_any_held(const uint8_t *fixed, int32_t count)
     return is_held;
 }
 
+static void slept_owner(void *owner, int64_t steps)
+{
+    ((ss_hybrid *)owner)->step_counter += (uint32_t)steps;
+}
+
 static void reset_owner(void *owner)
 {
     ss_hybrid *hybrid = owner;
@@ -423,7 +428,7 @@ static softsim_status create_body(ss_hybrid *hybrid, const ss_model_plan *plan, 
         .elastic = {SS_BODY_ELASTIC(hybrid, ss_hybrid_force, ss_hybrid_tangent, ss_hybrid_diagonal,
                                     ss_hybrid_stable_step),
                     .viscous_time = hybrid->material.viscous_time, .reset = reset_owner,
-                    .hash = hash_layer},
+                    .slept = slept_owner, .hash = hash_layer},
         .skin = {.mesh = plan->mesh,
                  .sigma = density * hybrid->least_spacing,
                  .lay = ss_hybrid_lay,

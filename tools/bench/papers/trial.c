@@ -41,8 +41,8 @@ static softsim_status write_scene(const ss_paper *paper, const ss_trial_plan *pl
     if (plan->fixed != NULL) {
         fprintf(output.file, "  fixed: %s\n", plan->fixed);
     }
-    fprintf(output.file, "model:\n%s%spublish: {mesh_rate_hz: 0}\n", plan->model,
-            plan->rest != NULL ? plan->rest : "");
+    fprintf(output.file, "model:\n%s%ssimulation: {sleep: off}\npublish: {mesh_rate_hz: 0}\n",
+            plan->model, plan->rest != NULL ? plan->rest : "");
     return ss_output_commit(&output, error);
 }
 

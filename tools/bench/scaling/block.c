@@ -103,7 +103,7 @@ static softsim_status write_scene(const char *path, const char *mesh, int32_t su
         return SOFTSIM_ERROR_FILE;
     }
     ss_stress_case_subject_write(&stress_case, file);
-    fputs("simulation: {rate_hz: 1000}\npublish: {mesh_rate_hz: 0}\n", file);
+    fputs("simulation: {rate_hz: 1000, sleep: off}\npublish: {mesh_rate_hz: 0}\n", file);
     if (ss_stress_case_is_plastic(subject)) {
         fprintf(file,
                 "prescribed:\n  - {nodes: [%d], displacement_m: [0, 0, %.9g], from_s: 0, ramp_s: "

@@ -52,7 +52,7 @@ static const char object_text[] = "softsim: 1\n"
                                   "  rest_stiffness_n_per_m3: %.9g\n";
 static const char model_text[] = "  area_density_kg_m2: 11.5\n"
                                  "  damping_n_s_per_m3: 1725\n"
-                                 "simulation: {rate_hz: 1000}\n"
+                                 "simulation: {rate_hz: 1000, sleep: off}\n"
                                  "publish: {mesh_rate_hz: 0}\n";
 
 /* ---- files ---- */

@@ -351,6 +351,6 @@ void ss_stress_case_plan_write(const ss_stress_case_plan *plan, FILE *file)
     fputs("softsim: 1\nobject:\n  mesh: body.msh\n  units: m\n", file);
     write_fixed(plan, file);
     ss_stress_case_subject_write(plan->trial, file);
-    fprintf(file, "simulation: {%smax_substeps: %d}\npublish: {mesh_rate_hz: 0}\n%s",
+    fprintf(file, "simulation: {%smax_substeps: %d, sleep: off}\npublish: {mesh_rate_hz: 0}\n%s",
             plan->step_s > 0.0 ? "" : "rate_hz: 1000, ", plan->max_substeps, plan->more);
 }

@@ -37,7 +37,7 @@ static const char plate_scene[] =
     "  link_stiffness_n_per_m: 100\n"
     "  alpha: 0.02\n"
     "  capacitance_s: 0.01\n"
-    "simulation: {rate_hz: 1000}\n"
+    "simulation: {rate_hz: 1000, sleep: off}\n"
     "publish: {mesh_rate_hz: 0}\n";
 
 /* Parameters in the order of the scene: truth of a curve. */

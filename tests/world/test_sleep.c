@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * A body at rest sleeps, and nobody can feel it: each run is made twice, with simulation.sleep auto
+ * and off, by the same poses, and the forces are equal within a thousandth of the largest. Whether
+ * it slept is told by the sub-steps that were made.
+ */
+#include "common/test.h"
+
+#include "common/effort.h"
+#include "press_fixture.h"
+#include "rt/vec.h"
+
+#define MOST_DIFFERENCE 1e-3  /* of the largest force */
+#define FAR_OUT         -0.05 /* m: nothing is near */
+
+/* What a hand does, part by part: its way in (m), along (m) and turn (rad), reached smoothly in
+ * 0.4 s, and its button. */
+typedef struct part {
+    int ticks;
+    double in, along, turn;
+    int buttons;
+    bool sleeps; /* is at least a tenth of it slept through? */
+} part;
+
+typedef struct pair {
+    softsim_world *slept, *awake;
+    double largest, difference;               /* N */
+    double largest_torque, torque_difference; /* N m */
+    int32_t seq;
+} pair;
+
+static pair open_pair(const body *b, const char *const *more, int count)
+{
+    softsim_world *world[2];
+    for (int k = 0; k < 2; ++k) {
+        const char *set[8] = {k == 0 ? "simulation.sleep=auto" : "simulation.sleep=off"};
+        int n = 1;
+        if (b->set != NULL) {
+            set[n++] = b->set;
+        }
+        for (int i = 0; i < count; ++i) {
+            set[n++] = more[i];
+        }
+        world[k] = open_body(b, set, n);
+    }
+    return (pair){.slept = world[0], .awake = world[1]};
+}
+
+/* Says what was felt, and sees that it was the same. */
+static void close_pair(pair *p, const char *name)
+{
+    print_message("%s: %.3g N at most, %.2g of it apart\n", name, p->largest,
+                  p->difference / p->largest);
+    assert_true(p->largest > 0.0);
+    assert_true(p->difference <= MOST_DIFFERENCE * p->largest);
+    /* Of a tool of 8 mm, a torque below that is no more than the force's own difference. */
+    assert_true(p->torque_difference <=
+                MOST_DIFFERENCE * fmax(p->largest_torque, 0.008 * p->largest));
+    softsim_destroy(&p->slept);
+    softsim_destroy(&p->awake);
+}
+
+static int64_t substeps(softsim_world *world)
+{
+    softsim_state state;
+    softsim_read(world, &state);
+    return state.all_substeps;
+}
+
+static void tick(pair *p, const softsim_pose *pose)
+{
+    const softsim_force a = feel(p->slept, pose), b = feel(p->awake, pose);
+    double apart[3], turned[3];
+    ss_sub3(apart, a.force, b.force);
+    ss_sub3(turned, a.torque, b.torque);
+    p->largest = fmax(p->largest, ss_norm3(b.force));
+    p->difference = fmax(p->difference, ss_norm3(apart));
+    p->largest_torque = fmax(p->largest_torque, ss_norm3(b.torque));
+    p->torque_difference = fmax(p->torque_difference, ss_norm3(turned));
+}
+
+static void play(pair *p, const body *b, const part *parts, int count)
+{
+    part last = parts[0];
+    for (int k = 0; k < count; ++k) {
+        const part *now = &parts[k];
+        const int64_t before = substeps(p->slept), before_awake = substeps(p->awake);
+        for (int n = 1; n <= now->ticks; ++n) {
+            const double s = smooth((double)n / fmin(now->ticks, 400.0));
+            const double turn = last.turn + s * (now->turn - last.turn);
+            double x[3];
+            ss_madd3(x, b->touch, last.in + s * (now->in - last.in), b->in);
+            ss_madd3(x, x, last.along + s * (now->along - last.along), b->side);
+            softsim_pose pose = pose_of(++p->seq, x);
+            pose.orientation[0] = cos(0.5 * turn);
+            pose.orientation[3] = sin(0.5 * turn);
+            pose.buttons = now->buttons;
+            tick(p, &pose);
+        }
+        const int64_t made = substeps(p->slept) - before;
+        const int64_t asked = substeps(p->awake) - before_awake;
+        if (now->sleeps && !(made <= 0.9 * (double)asked)) {
+            fail_msg("%s, part %d: %lld sub-steps of %lld were made", b->name, k, (long long)made,
+                     (long long)asked);
+        }
+        last = *now;
+    }
+}
+
+/* Pressed, held, pressed further, slid, let go, left alone, passed by, and pressed again. */
+TEST_WITH(pokes_and_slides_feel_the_same, make_folder_with_block, remove_folder)
+{
+    static const char *const in_short_run[] = {"kidney", "ventricle", "corotational", "chainmail"};
+    for (int i = 0; i < BODIES; ++i) {
+        const body *b = &bodies[i];
+        bool is_run = FULL_IN_LONG_RUN(true, false);
+        for (int k = 0; k < 4; ++k) {
+            is_run = is_run || strcmp(in_short_run[k], b->name) == 0;
+        }
+        if (!is_run) {
+            continue;
+        }
+        const double d = 0.3 * b->depth;
+        const part parts[] = {{10, FAR_OUT, 0, 0, 0, false},
+                              {400, d, 0, 0, 0, false},
+                              {FULL_IN_LONG_RUN(6000, 2000), d, 0, 0, 0, false},
+                              {400, 1.2 * d, 0, 0, 0, false},
+                              {400, 1.2 * d, 0.004, 0, 0, false},
+                              {400, FAR_OUT, 0, 0, 0, false},
+                              {FULL_IN_LONG_RUN(60000, 2500), FAR_OUT, 0, 0, 0, true},
+                              {400, FAR_OUT, 0.02, 0, 0, false},
+                              {400, d, 0, 0, 0, false}};
+        pair p = open_pair(b, NULL, 0);
+        play(&p, b, parts, sizeof parts / sizeof *parts);
+        close_pair(&p, b->name);
+    }
+}
+
+/* Grasped, or pressed on what rubs, at rest, and turned slowly about its own axis, a milliradian at
+ * a time: what that twists is felt at once, and nothing is thrown at the hand by the twitch after.
+ */
+static void turn_at_rest(const body *b, const char *const *more, int count, int buttons)
+{
+    const double d = 0.3 * b->depth;
+    const int still = FULL_IN_LONG_RUN(6000, 3000);
+    const part parts[] = {
+        {10, FAR_OUT, 0, 0, 0, false},        {400, d, 0, 0, 0, false},
+        {still, d, 0, 0, buttons, false},     {1000, d, 0, 0.001, buttons, false},
+        {1000, d, 0, 0.1, buttons, false},    {100, d, 0.0005, 0.1, buttons, false},
+        {400, d, 0.0005, 0.1, buttons, false}};
+    pair p = open_pair(b, more, count);
+    play(&p, b, parts, sizeof parts / sizeof *parts);
+    close_pair(&p, b->name);
+}
+
+TEST_WITH(a_sphere_that_turns_is_felt_where_it_is_held, make_folder_with_block, remove_folder)
+{
+    const char *const rubs[] = {"contact.friction=0.5"};
+    const char *const none[] = {NULL};
+    for (int i = 0; i < BODIES; ++i) {
+        const body *b = &bodies[i];
+        const bool is_fem = strcmp(b->name, "ventricle") == 0;
+        if (is_fem || strcmp(b->name, "kidney") == 0 || FULL_IN_LONG_RUN(true, false)) {
+            turn_at_rest(b, none, 0, SOFTSIM_BUTTON_GRASP);
+        }
+        if (is_fem) {
+            turn_at_rest(b, rubs, 1, 0);
+        }
+    }
+}
+
+/* A load that sets in after a second of sleep, and is gone again, with a tool that rests. */
+TEST_WITH(loads_and_supports_wake_it, make_folder_with_block, remove_folder)
+{
+    static const body block = {"block", NULL,     "  name: corotational\n" ELASTIC,
+                               NULL,    ON_BLOCK, 0.010};
+    const char *const acts[] = {
+        "loads=[{sphere: {center_m: [0.02, 0, 0.02], radius_m: 0.006}, force_n: [0, 0, -1], "
+        "from_s: 3.5, to_s: 6, ramp_s: 0.2}]",
+        "prescribed=[{sphere: {center_m: [-0.02, 0, 0.02], radius_m: 0.006}, displacement_m: [0, "
+        "0, "
+        "-0.002], from_s: 7.5, ramp_s: 0.3}]"};
+    const part parts[] = {{10, FAR_OUT, 0, 0, 0, false}, {400, 0.003, 0, 0, 0, false},
+                          {3050, 0.003, 0, 0, 0, true},  {2500, 0.003, 0, 0, 0, false},
+                          {1500, 0.003, 0, 0, 0, false}, {1500, 0.003, 0, 0, 0, false}};
+    pair p = open_pair(&block, acts, 2);
+    play(&p, &block, parts, sizeof parts / sizeof *parts);
+    close_pair(&p, block.name);
+}
+
+/* With one thread and with three, whose worker steps while ticks run. */
+TEST_WITH(the_hash_is_the_same_for_any_number_of_threads, make_folder_with_block, remove_folder)
+{
+    uint64_t hash[2] = {0, 0};
+    for (int k = 0; k < 2; ++k) {
+        softsim_config config = softsim_default_config();
+        softsim_error error = {0};
+        config.threads = k == 0 ? 1 : 3;
+        config.import_program = BIN_DIR "/softsim-import";
+        const body *b = &bodies[0];
+        char path[512];
+        (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s", b->scene);
+        softsim_world *world = softsim_create(path, &config, &error);
+        assert_non_null(world);
+        for (int n = 1; n <= 4000; ++n) {
+            double x[3];
+            const double in = n < 2200 ? FAR_OUT : FAR_OUT + 0.055 * smooth((n - 2200) / 400.0);
+            ss_madd3(x, b->touch, in, b->in);
+            const softsim_pose pose = pose_of(n, x);
+            (void)feel(world, &pose);
+        }
+        softsim_state end;
+        softsim_read(world, &end);
+        assert_true(end.all_substeps < 4000 * 4 - 800); /* it slept */
+        hash[k] = softsim_hash(world);
+        softsim_destroy(&world);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
+/* It is told, and sleeps only where it may. */
+TEST_WITH(a_sleeping_body_says_so, make_folder_with_block, remove_folder)
+{
+    static const body block = {"block", NULL, "  name: fem\n" ELASTIC, NULL, ON_BLOCK, 0.010};
+    const char *const off[] = {"simulation.sleep=off"};
+    for (int k = 0; k < 2; ++k) {
+        softsim_world *world = open_body(&block, off, k);
+        softsim_state early, late;
+        for (int n = 0; n < 900; ++n) {
+            (void)softsim_tick(world, NULL, NULL, 0, (softsim_force[SOFTSIM_MAX_PROBES]){{0}});
+        }
+        softsim_read(world, &early);
+        assert_true(early.active_nodes == early.node_count);
+        for (int n = 0; n < 600; ++n) {
+            (void)softsim_tick(world, NULL, NULL, 0, (softsim_force[SOFTSIM_MAX_PROBES]){{0}});
+        }
+        softsim_read(world, &late);
+        assert_int_equal(late.active_nodes, k == 0 ? 0 : late.node_count);
+        assert_int_equal(late.step - early.step, 600 * early.period_s / early.simulation_period_s);
+        softsim_destroy(&world);
+    }
+}
+
+int main(void)
+{
+    return run_all_tests(NULL, NULL);
+}
