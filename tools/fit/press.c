@@ -338,9 +338,8 @@ static softsim_status plan_in(ss_world *world, const ss_press_scene *scene, cons
         out->probe = world->scene->tool[p].is_used ? p : out->probe;
     }
     const ss_mesh *mesh = world->scene->mesh;
-    out->edge =
-        ss_mesh_mean_side((const double(*)[3])mesh->position, (const int32_t(*)[3])mesh->triangle,
-                          mesh->triangle_count);
+    out->edge = ss_mesh_mean_side((const double(*)[3])mesh->position,
+                                  (const int32_t(*)[3])mesh->triangle, mesh->triangle_count);
     if (out->probe >= 0) {
         out->tool_radius = ss_shape_inradius(&world->scene->tool[out->probe].shape);
     }
