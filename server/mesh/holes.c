@@ -51,9 +51,9 @@ typedef struct filler {
     /* Of one loop. */
     int32_t loop[MAX_LOOP];
     int count;
-    double cost[MAX_LOOP][MAX_LOOP];
-    int16_t apex[MAX_LOOP][MAX_LOOP];
-    bool is_taken[MAX_LOOP][MAX_LOOP]; /* an edge of the surface already */
+    double (*cost)[MAX_LOOP];
+    int16_t (*apex)[MAX_LOOP];
+    bool (*is_taken)[MAX_LOOP]; /* an edge of the surface already */
 } filler;
 
 static void filler_destroy(filler *f)
@@ -62,7 +62,7 @@ static void filler_destroy(filler *f)
         ss_mesh_tuples_fini(&f->edges);
         ss_tree_fini(&f->tree);
         SS_EACH(ss_memory_free, f->number, f->part, f->open, f->open_count, f->start, f->around,
-                f->place, f);
+                f->place, f->cost, f->apex, f->is_taken, f);
     }
 }
 
@@ -384,10 +384,23 @@ static bool may_stay(filler *f, int32_t first)
     return (is_narrow || has_few) && !c.is_any;
 }
 
+static bool make_tables(filler *f)
+{
+    if (f->cost == NULL) {
+        f->cost = ss_memory_get(MAX_LOOP, sizeof *f->cost);
+        f->apex = ss_memory_get(MAX_LOOP, sizeof *f->apex);
+        f->is_taken = ss_memory_get(MAX_LOOP, sizeof *f->is_taken);
+    }
+    return f->cost != NULL && f->apex != NULL && f->is_taken != NULL;
+}
+
 static bool fill_loop(filler *f)
 {
     ss_mend *m = f->m;
     const int32_t before = m->triangle_count;
+    if (!make_tables(f)) {
+        return false;
+    }
     turn_loop(f);
     mark_taken(f);
     if (!triangulate(f)) {

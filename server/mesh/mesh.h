@@ -290,6 +290,20 @@ softsim_status ss_mesh_repair(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_r
  * more than two. False when out of memory. */
 bool ss_mesh_mark_overlaps(const ss_mesh *mesh, bool *out_is_overlapping);
 
+/* What ss_mesh_remesh did. */
+typedef struct ss_mesh_remeshing {
+    double distance; /* m: the farthest that a node or triangle's middle of one surface is from the
+                        other */
+    int32_t rounds, undone_rounds;
+    int32_t locked_nodes; /* left as they were, for the surface would have come to cross itself */
+} ss_mesh_remeshing;
+/* A surface of triangles of edges of about `edge`, m (remesh.c), on the one given, which must be
+ * one that a scene takes and that does not cross itself. Edges sharper than `feature_deg`, the
+ * angle between normals, and borders stay. Nodes in groups go on being in them (of the first 64).
+ * Faults are told without a name: SOFTSIM_ERROR_MESH. */
+softsim_status ss_mesh_remesh(const ss_mesh *mesh, double edge, double feature_deg,
+                              ss_mesh **out_mesh, ss_mesh_remeshing *out, softsim_error *error);
+
 /* A volume with nodes in the straight middle of its sides, which is of second order then: numbered
  * after its own, by the lower node of each side, then the higher. In a group are those whose side's
  * ends are, where the side lies on the surface or in a tetrahedron of the group. */

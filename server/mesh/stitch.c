@@ -4,8 +4,8 @@
  * Seams. Nodes become one where they lie on each other, where they lie near each other on open
  * edges, and where an edge between them is too short for any model; what that makes flat or double
  * goes. A flat triangle of long sides has a node on its opposite side: without it that side is
- * open, and like any open edge on which a node of open edges lies it is divided there, which closes
- * the gap.
+ * open, and like any open edge along which others run from node to node it is divided there, which
+ * closes the gap.
  *
  * Welding every pair of nodes within a wide tolerance was rejected: it glues thin sheets. Open
  * edges say by themselves that something is missing there.
@@ -255,6 +255,43 @@ static bool divide(ss_mend *m, const junction *j, int32_t count)
     return true;
 }
 
+/* Is there an open edge between the two? Tuples of edges are in the order of their nodes. */
+static bool is_open_edge(const seam *s, int32_t a, int32_t b)
+{
+    const int32_t wanted[2] = {a < b ? a : b, a < b ? b : a};
+    int32_t low = 0, high = s->open_count;
+    while (low < high) {
+        const int32_t middle = low + (high - low) / 2;
+        if (ss_order_ints(s->edges.tuple[s->open[middle]].node, wanted, 2) < 0) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low < s->open_count && ss_order_ints(s->edges.tuple[s->open[low]].node, wanted, 2) == 0;
+}
+
+/* Keeps the junctions of one edge, from `begin` on, that close something: with an open edge to
+ * the next along it, or the last. A node that but lies there would be parted from it again. */
+static int32_t keep_closing(seam *s, int32_t begin, int32_t end)
+{
+    const int32_t id = s->found[begin].edge, *triangle = s->m->triangle[id / 3];
+    const int32_t before = triangle[id % 3];
+    int32_t count = 0;
+    bool is_linked = false; /* to what is before it */
+    for (int32_t i = begin; i < end; ++i) {
+        const junction one = s->found[i];
+        const int32_t after = i + 1 < end ? s->found[i + 1].node : triangle[(id % 3 + 1) % 3];
+        is_linked = i == begin ? is_open_edge(s, before, one.node) : is_linked;
+        const bool links_on = is_open_edge(s, one.node, after);
+        if (is_linked || links_on) {
+            s->found[begin + count++] = one;
+        }
+        is_linked = links_on;
+    }
+    return count;
+}
+
 static bool divide_all(ss_mend *m, seam *s)
 {
     if (s->found_count > 0) {
@@ -265,11 +302,13 @@ static bool divide_all(ss_mend *m, seam *s)
         while (end < s->found_count && s->found[end].edge == s->found[i].edge) {
             ++end;
         }
-        if (!divide(m, &s->found[i], end - i)) {
+        const int32_t t = s->found[i].edge / 3, count = keep_closing(s, i, end);
+        if (count > 0 && !divide(m, &s->found[i], count)) {
             return false;
         }
-        const int32_t t = s->found[i].edge / 3;
-        for (i = end; i < s->found_count && s->found[i].edge / 3 == t; ++i) {
+        i = end;
+        while (count > 0 && i < s->found_count && s->found[i].edge / 3 == t) {
+            ++i;
         }
     }
     return true;

@@ -247,12 +247,11 @@ TEST(repair_tells_each_change_and_what_comes_out_is_good)
                    "5 4 2 0 1 1 6 5 8\n6 4 2 0 1 10 6 2 8\n7 4 2 0 1 3 7 1 8\n"));
     assert_int_equal(run(TOOL "check broken.msh", out, sizeof out), 2);
     assert_int_equal(run(TOOL "convert broken.msh mended.msh --repair", out, sizeof out), 0);
-    const char *const changes[] = {
-        "broken.msh: nodes welded to others: 1 (node 9)\n",
-        "broken.msh: double elements dropped: 1 (tetrahedron 6)\n",
-        "broken.msh: loose nodes dropped: 1 (node 8)\n",
-        "broken.msh: tetrahedra turned: 2 (tetrahedron 1, 4)\n",
-        "mended.msh: 8 nodes, 6 tetrahedra"};
+    const char *const changes[] = {"broken.msh: nodes welded to others: 1 (node 9)\n",
+                                   "broken.msh: double elements dropped: 1 (tetrahedron 6)\n",
+                                   "broken.msh: loose nodes dropped: 1 (node 8)\n",
+                                   "broken.msh: tetrahedra turned: 2 (tetrahedron 1, 4)\n",
+                                   "mended.msh: 8 nodes, 6 tetrahedra"};
     for (int32_t i = 0; i < COUNT(changes); ++i) {
         if (strstr(out, changes[i]) == NULL) {
             fail_msg("no '%s' in %s", changes[i], out);
@@ -276,6 +275,32 @@ TEST(repair_tells_what_it_leaves)
     write_text("mine.obj", CUBE_V CUBE_F);
     assert_int_equal(run(TOOL "convert mine.obj whole.obj --repair", out, sizeof out), 0);
     assert_null(strstr(out, "left as they are"));
+}
+
+TEST(a_surface_is_evened_out)
+{
+    char out[8192];
+    write_text("mine.obj", CUBE_V CUBE_F);
+    write_text("two.msh", MSH("4\n" CORNERS, "1\n1 4 2 0 1 1 2 3 4\n"));
+    write_text("fin.obj", CUBE_V CUBE_F "v 2 2 .5\nf 2 9 4\n");
+    static const tool_row rows[] = {
+        {"remesh mine.obj even.msh --edge 0.2", 0, ", 0 slivers, volume 1\neven.msh: at most "},
+        {"remesh mine.obj even2.msh --edge-mm 200 --units m", 0, ", 0 slivers, volume 1\n"},
+        {"check even.msh", 0, "even.msh: good"},
+        {"remesh mine.obj even.msh", 2, "give one of --edge-mm and --edge"},
+        {"remesh mine.obj even.msh --edge 0.2 --edge-mm 1", 2, "give one of"},
+        {"remesh mine.obj mine.obj --edge 0.2", 2, "mine.obj"},
+        {"remesh two.msh even.msh --edge 0.2", 2, "two.msh: it has tetrahedra: give its surface"},
+        {"remesh fin.obj even.msh --edge 0.2", 2, "mend it first: softsim-mesh convert --repair"},
+        {"remesh mine.obj even.msh --edge 1e-5", 2, "more than 4 million triangles"},
+    };
+    expect_answers(rows, COUNT(rows));
+    assert_int_equal(run("cmp even.msh even2.msh", out, sizeof out), 0);
+    /* A needle of a triangle: the words of check name the command. */
+    write_text("needle.obj", "v 0 0 0\nv 1 0 0\nv 0 .05 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n"
+                             "f 2 3 4\n");
+    assert_int_equal(run(TOOL "check needle.obj", out, sizeof out), 1);
+    assert_non_null(strstr(out, "softsim-mesh remesh IN OUT --edge-mm N"));
 }
 
 /* The help names the groups that are written, and no others. */

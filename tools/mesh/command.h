@@ -14,6 +14,7 @@ int command_check(int argc, char **argv);
 int command_convert(int argc, char **argv);
 int command_generate(int argc, char **argv);
 int command_info(int argc, char **argv);
+int command_remesh(int argc, char **argv);
 int command_scene(int argc, char **argv);
 int command_tetrahedralize(int argc, char **argv);
 

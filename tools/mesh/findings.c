@@ -20,6 +20,19 @@ static void add_row(findings *f, const ss_mesh_fault *fault, const char *key, co
     }
 }
 
+/* The triangles of a surface decide the step of a network on it, and the tetrahedra beside it when
+ * it is filled. */
+static const char *sliver_remedy(const ss_mesh *m)
+{
+    return m->tetrahedron_count > 0
+               ? "even its surface out, and fill it again: softsim-mesh convert IN surface.obj; "
+                 "softsim-mesh remesh surface.obj even.obj --edge-mm N; softsim-mesh tetrahedralize"
+           : m->quad_count > 0
+               ? "give a more even grid"
+               : "the stable step follows the worst: softsim-mesh remesh IN OUT --edge-mm N evens "
+                 "them out";
+}
+
 /* Those that ss_mesh_check has no row for; all of them leave a mesh usable, or mendable. */
 static void add_own_rows(findings *f)
 {
@@ -39,7 +52,7 @@ static void add_own_rows(findings *f)
     add_row(f, &f->part, "component", "separate parts", "", "forces do not pass between them",
             true);
     add_row(f, &f->crossing, "self_intersection", "triangles that cross others", "triangle",
-            "move them apart, or remesh", true);
+            "move them apart, or join the bodies (a boolean union)", true);
     add_row(
         f, &f->quality.sliver, "sliver",
         m->tetrahedron_count > 0
@@ -48,7 +61,7 @@ static void add_own_rows(findings *f)
         m->tetrahedron_count > 0 ? "tetrahedron"
         : m->quad_count > 0      ? "quad"
                                  : "triangle",
-        "remesh", true);
+        sliver_remedy(m), true);
     add_row(f, &f->joined, "joined_node", "vertices on top of others, joined as the file was read",
             "", "merge vertices by distance", true);
     add_row(f, &f->unused, "unused_node", "nodes without an element, left out as the file was read",
@@ -217,8 +230,11 @@ void findings_print(const findings *f)
                    f->status == 0   ? "good"
                    : f->status == 1 ? "usable with warnings"
                                     : "unusable",
-                   f->status == 1 && f->is_refused
-                       ? " once mended: a scene refuses it as it is; softsim-mesh convert --repair"
+                   f->is_refused
+                       ? f->status == 1
+                             ? " once mended: a scene refuses it as it is; softsim-mesh convert "
+                               "--repair"
+                             : " as it is; softsim-mesh convert --repair mends what can be mended"
                        : "");
 }
 

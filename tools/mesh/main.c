@@ -17,6 +17,7 @@ static const struct {
     {"info", command_info, "softsim-mesh info", "prints what is in a mesh file"},
     {"check", command_check, "softsim-mesh check", "tells whether a mesh can be simulated"},
     {"convert", command_convert, "softsim-mesh convert", "to another format; mends on demand"},
+    {"remesh", command_remesh, "softsim-mesh remesh", "evens a surface out; no more slivers"},
     {"tetrahedralize", command_tetrahedralize, "softsim-mesh tetrahedralize",
      "fills a closed surface, by tetgen"},
     {"scene", command_scene, "softsim-mesh scene",
