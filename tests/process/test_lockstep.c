@@ -174,6 +174,39 @@ TEST_WITH(a_budget_that_would_bind_changes_nothing, NULL, tear_down)
     assert_string_equal(got, wanted);
 }
 
+/* Still for long enough that the body sleeps, then pressed, and still again. */
+TEST_WITH(what_has_slept_hashes_the_same_in_lockstep, NULL, tear_down)
+{
+    char table[] = "/tmp/softsim_rest_XXXXXX.csv", log[64];
+    const int file = mkstemps(table, 4);
+    assert_true(file >= 0);
+    dprintf(file, "time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n"
+                  "0,0,0,0.006,0.08,1,0,0,0,0\n1.6,0,0,0.006,0.08,1,0,0,0,0\n"
+                  "1.9,0,0,0.006,0.025,1,0,0,0,0\n3,0,0,0.006,0.025,1,0,0,0,0\n");
+    close(file);
+    snprintf(log, sizeof log, "%s.lcmlog", table);
+    const char *const convert[] = {"softsim-replay", "--convert", table, log, NULL};
+    assert_int_equal(process_run(&client, convert), 0);
+    unlink(table);
+    char wanted[32], got[32];
+    const char *const run[] = {"softsim-run", KIDNEY,       "--set", kidney_mesh(), "--poses",
+                               log,           "--duration", "2.2",   "--hash",      NULL};
+    assert_int_equal(process_run(&client, run), 0);
+    last_word(client.out, wanted);
+    const char *const argv[] = {"softsimd",   KIDNEY, "--set",  kidney_mesh(), "--lockstep",
+                                "--duration", "2.2",  "--hash", NULL};
+    start(argv);
+    const char *const replay[] = {"softsim-replay", log, "--lockstep", NULL};
+    process_start(&client, replay, NULL);
+    assert_int_equal(process_finish(&server), 0);
+    process_signal(&client, SIGKILL);
+    process_finish(&client);
+    unlink(log);
+    last_word(server.out, got);
+    assert_int_equal(strlen(got), 16);
+    assert_string_equal(got, wanted);
+}
+
 /* ---- a client of our own ---- */
 
 static softsim_contact_force_t force;

@@ -181,6 +181,47 @@ static bool says_slow_and_how_much(const watch *w)
     return says_slow(w) && w->status.uptime_s > 2.0 && w->status.simulation_rate_hz > 0.0;
 }
 
+static bool sleeps(const watch *w)
+{
+    return w->statuses > 0 && w->status.active_nodes == 0 && w->status.substeps == 0 &&
+           w->status.step > 0;
+}
+
+static bool is_awake(const watch *w)
+{
+    return w->statuses > 0 && w->status.active_nodes > 0;
+}
+
+static int64_t step_asleep;
+
+static bool sleeps_on(const watch *w)
+{
+    return sleeps(w) && w->status.step > step_asleep;
+}
+
+/* Nobody comes: the model is not stepped, its time goes on, a command wakes it, and so does a
+ * tool, which feels it. */
+TEST_WITH(a_server_at_rest_sleeps_and_wakes, make_folder, tear_down)
+{
+    watch w;
+    watch_open(&w);
+    start_kidney();
+    watch_until(&w, sleeps, "sleep");
+    step_asleep = w.status.step + 500;
+    watch_until(&w, sleeps_on, "steps that go by asleep");
+    assert_int_equal(w.status.verdict, SOFTSIM_VERDICT_GOOD);
+    expect_reply(&w, "reset", "", 0);
+    watch_until(&w, is_awake, "a model that was reset");
+    watch_until(&w, sleeps, "sleep again");
+    const char *const replay[] = {"softsim-replay", POKE, "--speed", "3", NULL};
+    assert_int_equal(process_run(&client, replay), 0);
+    w.statuses = 0;
+    watch_until(&w, sleeps, "sleep after a press");
+    assert_true(w.status.energy_from_device_j > 0.0);
+    watch_close(&w);
+    assert_int_equal(stop_daemon(), 0);
+}
+
 /* So light and so stiff that a quarter of a millisecond takes some dozens of sub-steps. */
 TEST_WITH(a_slow_server_says_so, make_folder, tear_down)
 {

@@ -378,6 +378,10 @@ static int run_report(int argc, char **argv)
          ++i) {
         status = run_scene(&r, i, &error);
     }
+    if (status == SOFTSIM_OK && ss_process_is_stopped()) {
+        status = SOFTSIM_ERROR_SYSTEM;
+        softsim_error_add(&error, status, "stopped before the end; nothing is reported");
+    }
     status = status == SOFTSIM_OK ? write_csv(&r, &error) : status;
     status = status == SOFTSIM_OK ? write_page(&r, &error) : status;
     if (status == SOFTSIM_OK) {
