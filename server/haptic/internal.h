@@ -144,6 +144,7 @@ typedef struct ss_local_contact {
     double result_period;   /* s, h */
     double step_stiffness;  /* N/m, of the last result */
     double swift;           /* N/m, all contacts' of the last result */
+    double viscous;         /* N s/m, the same of the law's B */
     double offset_time;     /* s, of this tick */
     double min_offset_time; /* s, the least of the offsets' decay; left by the limit or an entry */
     /* Share of the viscosities that counts. None for a proxy that is about to jump or has: one that
