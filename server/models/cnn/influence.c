@@ -32,27 +32,7 @@ static softsim_status solve_wide(const ss_cnn_factor *factor, double (*x)[WIDTH]
         return ss_cnn_iterate(factor, x);
     }
     const ss_factor *ldl = &factor->ldl;
-    for (int j = 0; j < ldl->n; ++j) {
-        for (int p = ldl->column[j]; p < ldl->column[j + 1]; ++p) {
-            for (int k = 0; k < WIDTH; ++k) {
-                x[ldl->row[p]][k] -= ldl->lower[p] * x[j][k];
-            }
-        }
-    }
-    for (int j = ldl->n - 1; j >= 0; --j) {
-        double sum[WIDTH];
-        for (int k = 0; k < WIDTH; ++k) {
-            sum[k] = x[j][k] / ldl->diagonal[j];
-        }
-        for (int p = ldl->column[j]; p < ldl->column[j + 1]; ++p) {
-            for (int k = 0; k < WIDTH; ++k) {
-                sum[k] -= ldl->lower[p] * x[ldl->row[p]][k];
-            }
-        }
-        for (int k = 0; k < WIDTH; ++k) {
-            x[j][k] = sum[k];
-        }
-    }
+    ss_cnn_kernels_get()->solve(ldl->n, ldl->column, ldl->row, ldl->lower, ldl->diagonal, x);
     return SOFTSIM_OK;
 }
 
@@ -100,24 +80,6 @@ static softsim_status solve_cells(const ss_cnn_network *network, int32_t count, 
     return status;
 }
 
-/* Qhat of column k of a solved block. */
-static double block_qhat(const ss_cnn_network *network, const double (*ghat)[WIDTH], int32_t k)
-{
-    double qhat = 0.0;
-    for (int32_t e = 0; e < network->edges.count; ++e) {
-        const int32_t i = network->edges.from[e] / 4, j = network->edges.to[e] / 4;
-        qhat += network->edge_rho[e] * fabs(ghat[i][k] - ghat[j][k]);
-    }
-    return qhat;
-}
-
-static double block_kap(const ss_cnn_network *network, const double (*ghat)[WIDTH], int32_t k,
-                        double qhat, int32_t e)
-{
-    const int32_t i = network->edges.from[e] / 4, j = network->edges.to[e] / 4;
-    return network->edge_rho[e] * fabs(ghat[i][k] - ghat[j][k]) / (network->edge_square[e] * qhat);
-}
-
 typedef struct solve_job {
     ss_cnn_network *network;
     const int32_t *node; /* by column */
@@ -126,25 +88,27 @@ typedef struct solve_job {
     softsim_status status; /* of the last block that did not work */
 } solve_job;
 
-static void store_influence(ss_cnn_network *network, const double (*ghat)[WIDTH], int32_t k,
-                            int32_t column, int32_t node)
+/* Columns first, first + 1, ... of the cells `node`, from a solved block. */
+static void store_influence(ss_cnn_network *network, int32_t count, const int32_t *node,
+                            int32_t first, const double (*ghat)[WIDTH])
 {
-    const double qhat = block_qhat(network, ghat, k);
-    network->qhat[node] = qhat;
-    network->own[node] = ghat[node][k];
-    if (!network->kap && !network->ghat) {
-        return; /* the network relaxes in its own time */
+    ss_real *kap[WIDTH];
+    double qhat[WIDTH];
+    const bool is_whole = network->kap && !network->is_compact;
+    for (int32_t k = 0; is_whole && k < count; ++k) {
+        kap[k] = network->kap + (size_t)(first + k) * (size_t)network->edges.padded_count;
     }
-    if (network->is_compact) {
-        ss_real *out = network->ghat + (size_t)column * (size_t)network->node_count;
+    ss_cnn_kernels_get()->fluxes(&network->edges, network->edge_rho, network->edge_square, ghat,
+                                 count, qhat, is_whole ? kap : NULL);
+    for (int32_t k = 0; k < count; ++k) {
+        network->qhat[node[k]] = qhat[k];
+        network->own[node[k]] = ghat[node[k]][k];
+    }
+    for (int32_t k = 0; network->is_compact && k < count; ++k) {
+        ss_real *out = network->ghat + (size_t)(first + k) * (size_t)network->node_count;
         for (int32_t i = 0; i < network->node_count; ++i) {
             out[i] = (ss_real)ghat[i][k];
         }
-        return;
-    }
-    ss_real *out = network->kap + (size_t)column * (size_t)network->edges.padded_count;
-    for (int32_t e = 0; e < network->edges.count; ++e) {
-        out[e] = (ss_real)block_kap(network, ghat, k, qhat, e);
     }
 }
 
@@ -159,10 +123,8 @@ static void *run_solve_job(void *argument)
         const softsim_status status =
             solve_cells(network, count, job->node + first, job->x, job->ghat);
         job->status = status == SOFTSIM_OK ? job->status : status;
-        for (int32_t k = 0; k < count; ++k) {
-            store_influence(network, (const double(*)[WIDTH])job->ghat, k, first + k,
-                            job->node[first + k]);
-        }
+        store_influence(network, count, job->node + first, first,
+                        (const double(*)[WIDTH])job->ghat);
     }
     return NULL;
 }
@@ -318,14 +280,18 @@ softsim_status ss_cnn_network_superpose(ss_cnn_network *network, int32_t count, 
     for (int32_t first = 0; status == SOFTSIM_OK && first < count; first += WIDTH) {
         const int32_t some = count - first < WIDTH ? count - first : WIDTH;
         status = solve_cells(network, some, node + first, x, ghat);
+        double qhat[WIDTH];
+        ss_cnn_kernels_get()->fluxes(&network->edges, network->edge_rho, network->edge_square,
+                                     (const double(*)[WIDTH])ghat, some, qhat, NULL);
         for (int32_t k = 0; k < some; ++k) {
-            const double(*block)[WIDTH] = (const double(*)[WIDTH])ghat;
             const int32_t cell = node[first + k];
-            const double qhat = block_qhat(network, block, k);
-            network->qhat[cell] = qhat;
+            network->qhat[cell] = qhat[k];
             network->own[cell] = ghat[cell][k];
             for (int32_t e = 0; e < network->edges.count; ++e) {
-                out_kap[e] += weight[first + k] * block_kap(network, block, k, qhat, e);
+                const int32_t i = network->edges.from[e] / 4, j = network->edges.to[e] / 4;
+                out_kap[e] +=
+                    weight[first + k] * (network->edge_rho[e] * fabs(ghat[i][k] - ghat[j][k]) /
+                                         (network->edge_square[e] * qhat[k]));
             }
         }
     }

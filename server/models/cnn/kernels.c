@@ -566,10 +566,69 @@ static void watch(int32_t node, int32_t node_end, double rate2, const ss_real *u
     out->drive = together > out->drive ? together : out->drive;
 }
 
+/* ---- columns ---- */
+
+/* A row of columns side by side. */
+typedef double row_of_columns
+    __attribute__((vector_size(SS_CNN_SOLVE_WIDTH * sizeof(double)), aligned(8), may_alias));
+
+typedef int64_t row_of_bits __attribute__((vector_size(SS_CNN_SOLVE_WIDTH * sizeof(int64_t))));
+
+/* rho |ghat_i - ghat_j| of an edge. */
+SS_INLINE void edge_flux(const ss_cnn_edges *edges, int32_t e, const double *rho,
+                         const row_of_columns *ghat, row_of_columns *out)
+{
+    const row_of_columns d = ghat[edges->from[e] / 4] - ghat[edges->to[e] / 4];
+    *out = rho[e] * (row_of_columns)((row_of_bits)d & INT64_MAX);
+}
+
+static void solve(int32_t n, const int *column, const int *row, const double *lower,
+                  const double *diagonal, double (*x)[SS_CNN_SOLVE_WIDTH])
+{
+    row_of_columns *at = (row_of_columns *)(void *)x;
+    for (int32_t j = 0; j < n; ++j) {
+        const row_of_columns from = at[j];
+        for (int p = column[j]; p < column[j + 1]; ++p) {
+            at[row[p]] -= lower[p] * from;
+        }
+    }
+    for (int32_t j = n - 1; j >= 0; --j) {
+        row_of_columns sum = at[j] / diagonal[j];
+        for (int p = column[j]; p < column[j + 1]; ++p) {
+            sum -= lower[p] * at[row[p]];
+        }
+        at[j] = sum;
+    }
+}
+
+static void fluxes(const ss_cnn_edges *edges, const double *rho, const double *square,
+                   const double (*ghat)[SS_CNN_SOLVE_WIDTH], int32_t count, double *out_qhat,
+                   ss_real *const *out)
+{
+    const row_of_columns *at = (const row_of_columns *)(const void *)ghat;
+    row_of_columns qhat = {0};
+    for (int32_t e = 0; e < edges->count; ++e) {
+        row_of_columns flux;
+        edge_flux(edges, e, rho, at, &flux);
+        qhat += flux;
+    }
+    for (int32_t k = 0; k < count; ++k) {
+        out_qhat[k] = qhat[k];
+    }
+    for (int32_t e = 0; out != NULL && e < edges->count; ++e) {
+        row_of_columns kap;
+        edge_flux(edges, e, rho, at, &kap);
+        kap /= square[e] * qhat;
+        for (int32_t k = 0; k < count; ++k) {
+            out[k][e] = (ss_real)kap[k];
+        }
+    }
+}
+
 /* ---- the table ---- */
 
 SS_KERNEL_TABLE(ss_cnn_kernels, .product = product, .scatter = scatter, .strain = strain,
                 .combine = combine, .stage = stage, .total = total, .axpy = axpy, .dot = dot,
                 .tangent = tangent, .descend = descend, .add_rows = add_rows, .largest = largest,
                 .weighted_square = weighted_square, .follow = follow, .follow_nodes = follow_nodes,
-                .neglect = neglect, .watch = watch);
+                .neglect = neglect, .watch = watch, .solve = solve, .fluxes = fluxes);

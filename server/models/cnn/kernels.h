@@ -40,6 +40,9 @@ typedef struct ss_cnn_edges {
     ss_real *x, *y, *z; /* P0_j - P0_i, m */
 } ss_cnn_edges;
 
+/* Columns that are solved at a time, side by side. */
+enum { SS_CNN_SOLVE_WIDTH = 8 };
+
 /* Consecutive blocks: their nodes and groups of rows. */
 typedef struct ss_cnn_span {
     int32_t node, node_end; /* even; the end may be one beyond the last node */
@@ -139,6 +142,15 @@ typedef struct ss_cnn_kernels {
     void (*watch)(int32_t node, int32_t node_end, double rate2, const ss_real *u, const ss_real *v,
                   const ss_real *far_u, const ss_real *far_v, const ss_real *force,
                   const ss_real *mobility, ss_cnn_unrest *out);
+    /* Set-up, in double, the same bits on every path. x := A^-1 x by the factor's L (n columns,
+     * without its diagonal) and D. */
+    void (*solve)(int32_t n, const int *column, const int *row, const double *lower,
+                  const double *diagonal, double (*x)[SS_CNN_SOLVE_WIDTH]);
+    /* The first `count` columns of potentials: out_qhat = sum_e rho |ghat_i - ghat_j|, and, unless
+     * `out` is NULL, out[k][e] = rho |ghat_i - ghat_j| / (square qhat). */
+    void (*fluxes)(const ss_cnn_edges *edges, const double *rho, const double *square,
+                   const double (*ghat)[SS_CNN_SOLVE_WIDTH], int32_t count, double *out_qhat,
+                   ss_real *const *out);
 } ss_cnn_kernels;
 
 /* The best path that this processor runs. */

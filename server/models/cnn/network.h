@@ -35,8 +35,6 @@ enum { SS_CNN_CACHE_SLOTS = 512 };
 /* Multiplications that a factor may take, some twenty seconds: a surface of a million cells, a
  * volume of sixty thousand. Beyond, and beyond what the library counts, there is none. */
 #define SS_CNN_MAX_WORK 4e10
-/* Right-hand sides that are solved at a time. */
-enum { SS_CNN_SOLVE_WIDTH = 8 };
 
 /* What carries the cells: the triangles of a surface, its quads (a rectangular grid), or the
  * tetrahedra of a volume, whose inner nodes are cells too. */

@@ -36,6 +36,7 @@ enum {
     FIRST_ITERATIONS = 6,
     AGAIN_ITERATIONS = 12,
     REST_ITERATIONS = 200,
+    ROUND = 10,
     YOUNG = 8,
     EVERY = 4,
     SUBSTEPS = 4,
@@ -47,6 +48,8 @@ enum {
  * snaps back); the contact is young again. Improved as usual, the wall of hm1 on a tool's way out
  * was felt nine times too stiff, and the force, as the tool moved, fell to a tenth within 4 ms. */
 #define JUMP 2.0
+/* Of the compliance at rest, what a round of iterations adds when it is the last. */
+#define REST_SHARE 1e-3
 /* s: of the inertia, and viscosity over stiffness at most. */
 #define INERTIA_TIME     0.05
 #define MAX_VISCOUS_TIME 0.01
@@ -123,8 +126,9 @@ static void set_residual(ss_body *body, const ss_real *y)
     ss_body_blend(body->nodes.padded_count, solver->push, -1.0, solver->product, solver->residual);
 }
 
-/* Improves y towards H y = push, and the residual with it. */
-static void solve_some(ss_body *body, ss_real *y, int iterations)
+/* Improves y towards H y = push, and the residual with it, until a round of iterations adds less
+ * than `share` to the compliance y.push. */
+static void solve_some(ss_body *body, ss_real *y, int iterations, double share)
 {
     ss_body_solver *solver = &body->solver;
     const int32_t n = body->nodes.padded_count;
@@ -133,13 +137,22 @@ static void solve_some(ss_body *body, ss_real *y, int iterations)
     double rho = ss_body_dot(n, solver->residual, solver->scaled);
     /* Beyond the precision of the scalars there is nothing left to improve. */
     const double enough = rho * (sizeof *y == sizeof(float) ? 1e-13 : 1e-26);
+    double total = 0.0, round = 0.0;
     for (int k = 0; k < iterations && rho > enough; ++k) {
+        if (k % ROUND == 0 && k > 0) {
+            if (round < share * total) {
+                break;
+            }
+            round = 0.0;
+        }
         apply(body, solver->search, solver->product);
         /* The search has no part along axes that cannot move. */
         const double curvature = ss_body_dot(n, solver->search, solver->product);
         if (!(curvature > 0.0)) {
             break;
         }
+        round += rho * rho / curvature;
+        total += rho * rho / curvature;
         ss_body_axpy(n, rho / curvature, solver->search, y);
         ss_body_axpy(n, -rho / curvature, solver->product, solver->residual);
         precondition(body);
@@ -248,7 +261,7 @@ static double swift_stiffness(ss_body *body, double k_cc)
     memset(y, 0, ss_body_bytes(body));
     set_inverse(body);
     memcpy(body->solver.residual, body->solver.push, ss_body_bytes(body));
-    solve_some(body, y, SWIFT_ITERATIONS);
+    solve_some(body, y, SWIFT_ITERATIONS, 0.0);
     const double swift = estimate(body, k_cc, y);
     body->solver.rate2 = 1.0 / (INERTIA_TIME * INERTIA_TIME);
     return isfinite(swift) ? fmax(0.0, swift) : 0.0;
@@ -276,16 +289,16 @@ static void feel(ss_body *body, int probe, const double normal[3])
     set_residual(body, touch->shape_y);
     follow_displacement(body, touch->shape_y);
     if (is_long) {
-        solve_some(body, touch->shape_y, iterations);
+        solve_some(body, touch->shape_y, iterations, 0.0);
         memset(touch->shape_step, 0, ss_body_bytes(body));
     } else if (tool->was_touching) {
         solve_on(body, touch);
     } else {
-        solve_some(body, touch->shape_y, FIRST_ITERATIONS);
+        solve_some(body, touch->shape_y, FIRST_ITERATIONS, 0.0);
     }
     double felt = estimate(body, k_cc, touch->shape_y);
     if (tool->was_touching && felt > JUMP * tool->felt) {
-        solve_some(body, touch->shape_y, AGAIN_ITERATIONS);
+        solve_some(body, touch->shape_y, AGAIN_ITERATIONS, 0.0);
         memset(touch->shape_step, 0, ss_body_bytes(body));
         touch->age = 0;
         felt = estimate(body, k_cc, touch->shape_y);
@@ -415,7 +428,7 @@ softsim_status ss_body_set_rest_felt(ss_body *body)
             push_node(body, node);
             set_inverse(body);
             set_residual(body, y);
-            solve_some(body, y, REST_ITERATIONS);
+            solve_some(body, y, REST_ITERATIONS, REST_SHARE);
             compliance = ss_body_dot(body->nodes.padded_count, y, body->solver.push);
             memset(y, 0, ss_body_bytes(body));
         }

@@ -14,6 +14,7 @@
  *   power iteration   x := M^-1 K x at the present state. The quotient x.Kx / x.Mx is below
  *                     omega^2; within its residual lies an eigenvalue, the largest or one so near
  *                     that a hundredth more covers it. Their sum is what is reported.
+ *                     At rest it starts from the mode that fastest_mode.c finds.
  *   assembled bound   omega^2 <= max_e omega_e^2 when the mass of each node is distributed over its
  *                     elements, here in proportion to V (lambda + 2 mu) |grad N|^2 (Fried 1972).
  *                     omega_e^2 is the largest eigenvalue of the 6 x 6 matrix V C^1/2 B M_e^-1 B^T
@@ -37,6 +38,7 @@
 #include <string.h>
 
 #include "mesh/tetrahedron.h"
+#include "models/common/fastest_mode.h"
 #include "rt/hash.h"
 #include "rt/random.h"
 
@@ -76,33 +78,36 @@ static void strain_column(const double g[3], int i, double out[6])
     }
 }
 
-/* tr(A^64)^(1/64): between the largest eigenvalue and 1.03 times it, for symmetric A >= 0. */
+/* tr(A^64)^(1/64): between the largest eigenvalue and 1.03 times it, for symmetric A >= 0. Powers
+ * of A stay symmetric: half of each is computed. */
 static double largest_eigenvalue(double a[6][6])
 {
-    double scale = 0.0, power = 1.0, log_scale = 0.0;
-    for (int turn = 0; turn <= 6; ++turn) {
-        double trace = 0.0;
-        for (int i = 0; i < 6; ++i) {
-            trace += a[i][i];
-        }
+    double power = 1.0, log_scale = 0.0;
+    for (int turn = 0;; ++turn) {
+        const double trace = a[0][0] + a[1][1] + a[2][2] + a[3][3] + a[4][4] + a[5][5];
         if (!(trace > 0.0)) {
             return 0.0;
         }
-        scale = trace;
-        log_scale += log(scale) / power;
+        log_scale += log(trace) / power;
+        if (turn == 6) {
+            return exp(log_scale);
+        }
         power *= 2.0;
-        double square[6][6];
+        const double scale = 1.0 / trace;
+        double b[6][6];
+        for (int i = 0; i < 36; ++i) {
+            b[i / 6][i % 6] = a[i / 6][i % 6] * scale;
+        }
         for (int i = 0; i < 6; ++i) {
-            for (int j = 0; j < 6; ++j) {
-                square[i][j] = 0.0;
+            for (int j = i; j < 6; ++j) {
+                double sum = 0.0;
                 for (int k = 0; k < 6; ++k) {
-                    square[i][j] += a[i][k] / scale * (a[k][j] / scale);
+                    sum += b[i][k] * b[j][k];
                 }
+                a[i][j] = a[j][i] = sum;
             }
         }
-        memcpy(a, square, sizeof square);
     }
-    return exp(log_scale);
 }
 
 /* omega_e^2 with nodal masses m. C^1/2 = sqrt(2 mu) I + (sqrt(3 lambda + 2 mu) - sqrt(2 mu))/3
@@ -183,8 +188,10 @@ static bool set_bounds(ss_fem *fem, const ss_fem_setup *setup)
         }
         const double whole = element_rate2(material->lambda[e], material->mu[e], volume,
                                            (const double(*)[3])gradient, mass);
-        const double own = element_rate2(material->lambda_own[e], material->mu[e], volume,
-                                         (const double(*)[3])gradient, mass);
+        const double own = material->lambda_own[e] == material->lambda[e]
+                               ? whole
+                               : element_rate2(material->lambda_own[e], material->mu[e], volume,
+                                               (const double(*)[3])gradient, mass);
         stability->bound[k] = (ss_real)whole;
         stability->growth[k] = (ss_real)(own + averaged);
         max_rate2[0] = fmax(max_rate2[0], whole);
@@ -243,8 +250,8 @@ static double power_step(ss_fem *fem, double *out_residual)
     return fmax(quotient, 0.0) * (1.0 + fmax(*out_residual, MARGIN));
 }
 
-/* Power iteration at rest, from a random start vector. */
-static void iterate_at_rest(ss_fem *fem)
+/* Power iteration at rest, from the fastest mode found from a random start. */
+static bool iterate_at_rest(ss_fem *fem)
 {
     ss_fem_stability *s = &fem->stability;
     uint64_t seed = 1;
@@ -257,10 +264,14 @@ static void iterate_at_rest(ss_fem *fem)
     }
     s->rest_rate2 = s->rest_bound;
     if (!(square > 0.0) || !(s->rest_bound > 0.0)) {
-        return; /* nothing moves */
+        return true; /* nothing moves */
     }
     for (ptrdiff_t k = 0; k < (ptrdiff_t)fem->blocks.node_count * 4; ++k) {
         s->mode[k] = (ss_real)((double)s->mode[k] / sqrt(square));
+    }
+    if (ss_find_fastest_mode(fem->blocks.node_count, s->mobility, ss_fem_tangent, fem, RESIDUAL,
+                             MAX_POWER_STEPS, s->mode) != SOFTSIM_OK) {
+        return false;
     }
     double rate2 = s->rest_bound;
     for (int k = 0; k < MAX_POWER_STEPS && residual > RESIDUAL; ++k) {
@@ -268,6 +279,7 @@ static void iterate_at_rest(ss_fem *fem)
     }
     s->rest_rate2 = fmin(rate2, s->rest_bound);
     memcpy(s->rest_mode, s->mode, (size_t)fem->blocks.node_count * 4 * sizeof(ss_real));
+    return true;
 }
 
 /* ---- life ---- */
@@ -294,7 +306,9 @@ bool ss_fem_stability_create(ss_fem *fem, const ss_fem_setup *setup, int32_t pad
             s->mobility[4 * (ptrdiff_t)i + k] = is_free ? (ss_real)(1.0 / setup->mass[i]) : 0;
         }
     }
-    iterate_at_rest(fem);
+    if (!iterate_at_rest(fem)) {
+        return false;
+    }
     s->rate2 = s->rest_rate2;
     return true;
 }

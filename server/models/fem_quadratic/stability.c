@@ -20,6 +20,7 @@
 #include <string.h>
 
 #include "models/common/dispatch.h"
+#include "models/common/fastest_mode.h"
 #include "rt/hash.h"
 #include "rt/random.h"
 
@@ -98,8 +99,8 @@ static double power_step(ss_quadratic *own, ss_real *x, ss_real *y, double *out_
     return quotient * (1.0 + fmax(*out_residual, MARGIN));
 }
 
-/* Of the body at rest, from a random start. */
-static void iterate_at_rest(ss_quadratic *own, ss_real *x, ss_real *y)
+/* Of the body at rest, from the fastest mode found from a random start. */
+static bool iterate_at_rest(ss_quadratic *own, ss_real *x, ss_real *y)
 {
     ss_quadratic_stability *s = &own->stability;
     const ptrdiff_t count = 4 * (ptrdiff_t)own->blocks.node_count;
@@ -112,15 +113,20 @@ static void iterate_at_rest(ss_quadratic *own, ss_real *x, ss_real *y)
     }
     s->rest_rate2 = s->bound;
     if (!(square > 0.0) || !(s->bound > 0.0)) {
-        return; /* nothing moves */
+        return true; /* nothing moves */
     }
     for (ptrdiff_t k = 0; k < count; ++k) {
         x[k] = (ss_real)((double)x[k] / sqrt(square));
+    }
+    if (ss_find_fastest_mode(own->blocks.node_count, s->mobility, ss_quadratic_tangent, own,
+                             RESIDUAL, MAX_POWER_STEPS, x) != SOFTSIM_OK) {
+        return false;
     }
     for (int k = 0; k < MAX_POWER_STEPS && residual > RESIDUAL; ++k) {
         rate2 = power_step(own, x, y, &residual);
     }
     s->rest_rate2 = fmin(rate2, s->bound);
+    return true;
 }
 
 static void visit(ss_quadratic *own, int32_t count)
@@ -227,7 +233,10 @@ softsim_status ss_quadratic_create(const ss_quadratic_raised *raised,
     }
     set_diagonal(out, raised, material);
     out->u = rest;
-    iterate_at_rest(out, x, y);
+    if (!iterate_at_rest(out, x, y)) {
+        ss_arena_free(&scratch);
+        return SOFTSIM_ERROR_MEMORY;
+    }
     iterate_elements_at_rest(out);
     ss_arena_free(&scratch);
     s->slack = fmax(s->bound > 0.0 ? s->rest_rate2 / s->bound : 1.0, least_slack(out));

@@ -5,6 +5,7 @@
 
 #include "common/effort.h"
 #include "fem_fixture.h"
+#include "models/common/fastest_mode.h"
 
 /* ---- the stable step ---- */
 
@@ -69,6 +70,52 @@ TEST(reported_step_is_not_beyond_the_largest)
         assert_true(bound >= (k < 3 ? 0.55 : 0.4) * largest);
         setup_fini(&s);
     }
+}
+
+/* A chain of equal springs and masses between two walls: omega^2 = 4 cos^2(pi / (2 (n + 1))), and
+ * the next ones close below. */
+enum { CHAIN = 400 };
+
+static void chain_product(void *owner, const ss_real *x, ss_real *out)
+{
+    ++*(int32_t *)owner;
+    for (int32_t i = 0; i < CHAIN; ++i) {
+        const ss_real left = i > 0 ? x[4 * (i - 1)] : 0;
+        const ss_real right = i + 1 < CHAIN ? x[4 * (i + 1)] : 0;
+        out[4 * i] += 2 * x[4 * i] - left - right;
+    }
+}
+
+TEST(the_fastest_mode_takes_few_products)
+{
+    ss_real *mode = random_quads(CHAIN, 1.0), *y = quads(CHAIN), *mobility = quads(CHAIN);
+    double length = 0.0, quotient = 0.0, off = 0.0;
+    int32_t products = 0;
+    for (ptrdiff_t k = 0; k < 4 * CHAIN; ++k) {
+        mobility[k] = k % 4 == 0;
+        mode[k] = k % 4 == 0 ? mode[k] : 0;
+    }
+    length = sqrt(dot_quads(CHAIN, mode, mode));
+    for (ptrdiff_t k = 0; k < 4 * CHAIN; ++k) {
+        mode[k] = (ss_real)((double)mode[k] / length);
+    }
+    assert_int_equal(
+        ss_find_fastest_mode(CHAIN, mobility, chain_product, &products, 0.003, 400, mode),
+        SOFTSIM_OK);
+    const int32_t taken = products;
+    chain_product(&products, mode, y);
+    quotient = dot_quads(CHAIN, mode, y);
+    for (ptrdiff_t k = 0; k < 4 * CHAIN; ++k) {
+        off += pow((double)y[k] - quotient * (double)mode[k], 2.0);
+    }
+    const double largest = 4.0 * pow(cos(acos(-1.0) / (2.0 * (CHAIN + 1))), 2.0);
+    print_message("%d products, quotient %.5f of %.5f\n", taken, quotient, largest);
+    assert_true(taken <= 60);
+    assert_true(quotient <= largest * (1.0 + 1e-6) && quotient * 1.01 >= largest);
+    assert_true(sqrt(off) <= 0.0031 * quotient);
+    ss_memory_free(mode);
+    ss_memory_free(y);
+    ss_memory_free(mobility);
 }
 
 /* Symplectic Euler by hand on a tiny motion: its |u| after some steps over that before. */
