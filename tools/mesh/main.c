@@ -29,7 +29,9 @@ enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 static void print_usage(FILE *out)
 {
     (void)fprintf(out, "usage: softsim-mesh COMMAND ...\n"
-                       "Makes and examines meshes before they reach a scene.\n\n");
+                       "Makes and examines meshes before they reach a scene. Reads OBJ, STL, PLY, "
+                       "GLB, OFF, Gmsh MSH, TetGen and VTK;\nhexahedra, prisms and pyramids become "
+                       "tetrahedra.\n\n");
     for (int i = 0; i < COMMAND_COUNT; ++i) {
         (void)fprintf(out, "  %-14s %s; softsim-mesh %s --help\n", commands[i].name,
                       commands[i].about, commands[i].name);
