@@ -153,6 +153,7 @@ TEST_WITH(a_surface_is_felt_or_told_how_to_be_filled, make_folder, remove_folder
         strstr(out, "k.yaml: cnn-energy, 250 nodes of a surface, in mm") == NULL) {
         fail_msg("%s", out);
     }
+    assert_non_null(strstr(out, "softsim-mesh tetrahedralize kidney.obj VOLUME.msh --units mm"));
     assert_int_equal(
         run(TOOL "scene kidney.obj --tissue kidney --model fem --out f.yaml", out, sizeof out), 2);
     assert_non_null(strstr(out, "softsim-mesh tetrahedralize kidney.obj VOLUME.msh --units mm"));

@@ -23,7 +23,8 @@ typedef struct organ {
 
     const tissue *tissue;
     const ss_model_class *model;
-    double scale; /* of all forces of a model whose constants are not physical */
+    char passed_over[320]; /* models that were tried before it, and why not */
+    double scale;          /* of all forces of a model whose constants are not physical */
 
     double towards[3]; /* the side that the hand comes from */
     const char *side, *axes;

@@ -537,9 +537,19 @@ static void tell(const request *q, const organ *o)
         softsim_verdict_name(t->verdict), t->reason[0] != '\0' ? ": " : "", t->reason);
     (void)printf("  a step of %.3g ms took %.3g ms of a core here (planned: %.3g ms)\n",
                  1e3 * o->step_s, 1e-3 * t->step_us, 1e-3 * o->step_cost_us);
-    (void)printf(
-        "next: softsimd %s, and in another terminal softsim-bridge --device sim --duration 8",
-        q->out);
+    if (q->model == NULL && o->passed_over[0] != '\0') {
+        ss_plain_print(stdout, "  passed over: %s\n", o->passed_over);
+    }
+    if (!o->has_volume && o->is_closed && q->purpose != FOR_SPEED && q->model == NULL) {
+        ss_plain_print(stdout,
+                       "  filled, it does for models with physical constants: softsim-mesh "
+                       "tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g\n",
+                       q->mesh, o->unit, filling_edge_mm(o));
+    }
+    ss_plain_print(stdout,
+                   "next: softsimd %s, and in another terminal softsim-bridge --device sim "
+                   "--duration 8",
+                   q->out);
     if (strcmp(o->axes, "x,y,z") != 0) {
         (void)printf(" --axes %s", o->axes);
     }
@@ -600,6 +610,26 @@ static softsim_status refuse_surface(const request *q, const organ *o, softsim_e
     return SOFTSIM_ERROR_ARGUMENT;
 }
 
+/* Why another model is tried after this one. */
+static void note_passed_over(organ *o, softsim_status status, const softsim_error *error)
+{
+    const trial_result *t = &o->trial;
+    const size_t used = strlen(o->passed_over), room = sizeof o->passed_over - used;
+    char *at = o->passed_over + used;
+    const char *before = used > 0 ? "; " : "", *name = o->model->name;
+    if (status != SOFTSIM_OK) {
+        (void)snprintf(at, room, "%s%s (%.60s)", before, name, error->text);
+    } else if (t->period_us > 0.0 && t->verdict != SOFTSIM_VERDICT_GOOD) {
+        (void)snprintf(at, room, "%s%s (%s)", before, name, softsim_verdict_name(t->verdict));
+    } else if (t->period_us > 0.0) {
+        (void)snprintf(at, room, "%s%s (a step of %.3g ms took %.3g ms here)", before, name,
+                       1e3 * o->step_s, 1e-3 * t->step_us);
+    } else {
+        (void)snprintf(at, room, "%s%s (a step of %.3g ms is planned with %.3g ms)", before, name,
+                       1e3 * o->step_s, 1e-3 * o->step_cost_us);
+    }
+}
+
 /* Goes through the models that may do until one is good; the last is kept otherwise. */
 static softsim_status choose_model(const request *q, ss_output *output, organ *o,
                                    softsim_error *error)
@@ -613,8 +643,12 @@ static softsim_status choose_model(const request *q, ss_output *output, organ *o
         if (model == NULL || (model->needs_volume && !o->has_volume)) {
             continue;
         }
+        if (o->model != NULL) {
+            note_passed_over(o, status, error);
+        }
         *error = (softsim_error){0};
         o->model = model;
+        o->trial = (trial_result){0};
         status = try_model(q, output, o, &is_good, error);
         if (status == SOFTSIM_ERROR_ARGUMENT) {
             break; /* no model would do */
