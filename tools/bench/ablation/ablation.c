@@ -137,7 +137,8 @@ static softsim_status write_scene(const omission *o, const char *mesh, int32_t n
     }
     fprintf(file, "model:\n  name: %s\n%s%s", o->model, o->common,
             is_with ? o->model_with : o->model_without);
-    fprintf(file, "simulation: {rate_hz: 1000, sleep: off}\n%s", is_with ? o->scene_with : o->scene_without);
+    fprintf(file, "simulation: {rate_hz: 1000, sleep: off}\n%s",
+            is_with ? o->scene_with : o->scene_without);
     if (o->act == LOAD) {
         fprintf(file,
                 "loads:\n  - {nodes: [%d], force_n: [0, 0, -0.01], from_s: 0, ramp_s: 0.02}\n",
