@@ -310,7 +310,7 @@ static bool finish_csv(const char *program, const ss_bridge_summary *summary, ss
 }
 
 /* Opens device and file, runs, reports. An exit status. */
-static int run(const char *program, const options *o, const ss_frame *frame, softsim_error *error)
+static int run(const char *program, const options *o, ss_frame *frame, softsim_error *error)
 {
     static ss_bridge bridge; /* large */
     ss_output csv = {0};
@@ -324,6 +324,12 @@ static int run(const char *program, const options *o, const ss_frame *frame, sof
         ss_args_print_error(program, error);
         device.destroy(device.state);
         return SS_EXIT_BAD_INPUT;
+    }
+    if (is_auto(o) && !place_above(program, o, frame, error)) {
+        ss_args_print_error(program, error);
+        device.destroy(device.state);
+        ss_output_abandon(&csv);
+        return EXIT_FAILURE;
     }
     const ss_bridge_config config = {
         .probe = (int32_t)o->probe,
@@ -377,9 +383,5 @@ int main(int argc, char **argv)
         return SS_EXIT_BAD_INPUT;
     }
     ss_process_catch_stop();
-    if (is_auto(&o) && !place_above(program, &o, &frame, &error)) {
-        ss_args_print_error(program, &error);
-        return ss_program_finish(program, EXIT_FAILURE);
-    }
     return ss_program_finish(program, run(program, &o, &frame, &error));
 }

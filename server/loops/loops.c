@@ -2,6 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "loops/state.h"
 /* Starting, waiting and ending: the main thread. */
+#include <errno.h>
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
@@ -10,6 +11,7 @@
 #include <unistd.h>
 
 #include "rt/clock.h"
+#include "rt/files.h"
 #include "rt/memory.h"
 #include "rt/program.h"
 #include "rt/thread.h"
@@ -199,6 +201,7 @@ static softsim_status create(ss_world *world, const ss_options *options, ss_loop
     loops->simulation_fd = ss_wake_open();
     loops->haptic_fd = ss_wake_open();
     loops->publish_fd = ss_wake_open();
+    const int wake_errno = errno; /* of the last that could not be opened */
     loops->judgement = ss_mailbox_create(sizeof(ss_judgement));
     loops->stderr_report = (ss_stderr_report){.prefix = options->prefix, .gate = world->gate};
     atomic_store(&loops->mesh_rate_hz, world->scene->mesh_rate_hz);
@@ -210,8 +213,7 @@ static softsim_status create(ss_world *world, const ss_options *options, ss_loop
     } else if (loops->wake_fd < 0 || loops->event_fd < 0 || loops->simulation_fd < 0 ||
                loops->haptic_fd < 0 || loops->publish_fd < 0) {
         status = SOFTSIM_ERROR_SYSTEM;
-        softsim_error_add(error, status, "cannot open an eventfd: %s; raise `ulimit -n`",
-                          softsim_status_text(status));
+        softsim_error_add(error, status, "cannot open an eventfd: %s", ss_files_reason(wake_errno));
     }
     if (status != SOFTSIM_OK) {
         destroy(out_loops);

@@ -606,7 +606,7 @@ static bool hand_over(ss_draft *d, ss_mesh *mesh)
 softsim_status ss_draft_finish(ss_draft *d, ss_mesh **out_mesh)
 {
     ss_mesh *mesh = ss_memory_get(1, sizeof *mesh);
-    bool is_done = mesh != NULL && hand_over(d, mesh) && ss_mesh_drop_unused(mesh);
+    bool is_done = mesh != NULL && hand_over(d, mesh);
     if (is_done && mesh->tetrahedron_count > 0) {
         ss_memory_free(mesh->triangle);
         mesh->triangle = NULL;

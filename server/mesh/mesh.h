@@ -72,8 +72,8 @@ typedef struct ss_mesh {
     /* After ss_mesh_renumber: the file's number of each node, and of each element as
      * ss_mesh_element_count counts them; NULL where every number is the file's. */
     int32_t *file_node, *file_element;
-    /* Vertices of an OBJ file that lay on another and were joined with it as the file was read; and
-     * nodes of any file that no element has, left out: numbers close up. */
+    /* Vertices of an OBJ file that lay on another and were joined with it as the file was read, and
+     * that no face has, left out. */
     int32_t joined_node_count, unused_node_count;
     /* Hexahedra, prisms and pyramids of the file, by kind, that were split into tetrahedra: a
      * cell's stand in a row, at its place in the file's order. */

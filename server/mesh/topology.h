@@ -60,9 +60,6 @@ double ss_mesh_twin_reach(const ss_mesh *mesh, double mean_edge);
  * that `is_used` is true of; NULL: all. False when out of memory. */
 bool ss_mesh_find_twins(const ss_mesh *mesh, double reach, const bool *is_used, int32_t *out_twin);
 
-/* Leaves out nodes that no element has; indices must be good. False when out of memory. */
-bool ss_mesh_drop_unused(ss_mesh *mesh);
-
 /* Below these times the square and cube of the mean edge, elements have no area or volume. */
 #define SS_MESH_FLAT_AREA   1e-6
 #define SS_MESH_FLAT_VOLUME 1e-9

@@ -222,9 +222,9 @@ static const file_case cases[] = {
     PLAIN("left.msh",
           HEAD2 NODES2 "$Elements\n2\n1 16 2 0 0 1 2 30 7 1 2 30 7\n2 4 2 0 0 1 2 30 7\n"
                        "$EndElements\n",
-          "4 nodes 4 triangles 1 tetrahedra volume 0.166667 -elements of higher order 1 unused 1"),
+          "5 nodes 4 triangles 1 tetrahedra volume 0.166667 -elements of higher order 1"),
     PLAIN("quads.msh", HEAD2 NODES2 "$Elements\n1\n1 3 2 0 0 1 2 30 7\n$EndElements\n",
-          "4 nodes 2 triangles 1 quads unused 1"),
+          "5 nodes 2 triangles 1 quads"),
     PLAIN("lines.msh",
           HEAD2 NODES2 "$Elements\n3\n1 1 2 0 0 1 2\n2 1 2 0 0 2 7\n3 15 2 0 0 7\n$EndElements\n",
           "!lines.msh: it holds 2 lines and 1 points and no triangle, quad or cell of a volume, so "
@@ -250,7 +250,7 @@ static const file_case cases[] = {
           "!cell-folded.msh:21: a hexahedron that is folded (parts of it are inside out)"),
     PLAIN("cell-collapsed.msh",
           HEAD2 CELL_NODES2 "$Elements\n1\n1 5 2 0 0 1 2 4 4 5 6 8 8\n$EndElements\n",
-          "6 nodes 8 triangles 3 tetrahedra volume 0.5 /hexahedra 1 unused 6"),
+          "12 nodes 8 triangles 3 tetrahedra volume 0.5 /hexahedra 1"),
     CUT_AT("cut-nodes.msh", MSH2, "30 0 1 0\n", "!cut-nodes.msh:10: 5 nodes announced, but"),
     CUT_AT("cut-names.msh", MSH2, "\"ba", "!a name in quotes"),
     CUT_AT("cut-element.msh", MSH2, "4 4 2 1 1 1",
@@ -361,8 +361,6 @@ static const file_case cases[] = {
     PLAIN("lines.off", "OFF\n4 2 0\n" OFF_PLACES "2 0 1\n2 1 2\n",
           "!lines.off: it holds 2 lines and no triangle, quad or cell"),
     PLAIN("points.off", "OFF\n4 0 0\n" OFF_PLACES, "!points.off: it holds no triangle, quad"),
-    PLAIN("unused.off", "OFF\n5 4 6\n9 9 9\n" OFF_PLACES "3 1 3 2\n3 1 2 4\n3 2 3 4\n3 3 1 4\n",
-          TETRA " unused 1"),
     PLAIN("binary.off", "OFF BINARY\n", "!binary.off:1: binary OFF is not read: write it as ASCII"),
     PLAIN("four.off", "4OFF\n1 1 0\n0 0 0 1\n1 0\n", "!this kind of OFF is not read"),
     PLAIN("range.off", "OFF\n4 1 0\n" OFF_PLACES "3 0 1 4\n",
@@ -444,7 +442,7 @@ static const file_case cases[] = {
     PLAIN("quads.vtk", POLY "POLYGONS 1 5\n4 0 1 2 3\n", "4 nodes 2 triangles 1 quads"),
     PLAIN("faces.vtk", POLY "POLYGONS 2 9\n4 0 1 2 3\n3 0 1 2\n", "4 nodes 3 triangles"),
     PLAIN("pentagon.vtk", VTK3 "DATASET POLYDATA\n" POINTS "POLYGONS 2 10\n3 0 1 2\n5 0 1 2 3 4\n",
-          "3 nodes 1 triangles -polygons and strips 1 unused 2"),
+          "5 nodes 1 triangles -polygons and strips 1"),
     PLAIN("arrays.vtk",
           POLY POLYGONS
           "POINT_DATA 4\nSCALARS t float\nLOOKUP_TABLE mine\n1 2 3 nan\nLOOKUP_TABLE mine "
@@ -665,9 +663,6 @@ static void summarise(const ss_mesh *m, char *out, size_t size)
             used += snprintf(out + used, size - (size_t)used, " /%s %lld",
                              ss_mesh_kind_name((ss_mesh_kind)k), (long long)m->split[k]);
         }
-    }
-    if (m->unused_node_count > 0) {
-        (void)snprintf(out + used, size - (size_t)used, " unused %d", m->unused_node_count);
     }
 }
 

@@ -279,7 +279,7 @@ TEST(a_mesh_is_mended_where_the_scene_asks_for_it)
     assert_true(s->mesh->is_closed);
     assert_int_equal(s->repairs.welded_node.count, 1);
     assert_int_equal(s->repairs.twin_element.count, 1);
-    assert_int_equal(s->repairs.loose_node.count, 0); /* left out as the file was read */
+    assert_int_equal(s->repairs.loose_node.count, 1);
     assert_int_equal(s->repairs.turned_triangle.count, 1);
     ss_scene_destroy(&s);
 }

@@ -56,14 +56,15 @@ static const struct {
                    "f 10 11 12\n",
      1, "{\"key\": \"self_intersection\", \"count\": ", "triangles that cross others: "},
     {"loose.obj", CUBE_V "v 7 7 7\n" CUBE_F, 1, "{\"key\": \"unused_node\", \"count\": 1, ",
-     "nodes without an element, left out as the file was read: 1"},
+     "vertices without a face, left out as the file was read: 1"},
     {"coincident.obj",
      CUBE_V "v 1 1 1\nf 1 3 4\nf 1 4 2\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 7 8\nf 3 8 4\n"
             "f 1 5 7\nf 1 7 3\nf 2 4 9\nf 2 9 6\n",
      1, "{\"key\": \"joined_node\", \"count\": 1, ", "vertices on top of others, joined"},
     {"loose.msh", MSH("5\n" CORNERS "5 9 9 9\n", "1\n1 4 2 0 1 1 2 3 4\n"), 1,
-     "{\"key\": \"unused_node\", \"count\": 1, \"status\": 1, \"is_refused\": false, ",
-     "nodes without an element, left out as the file was read: 1"},
+     "{\"key\": \"loose_node\", \"count\": 1, \"status\": 1, \"is_refused\": true, \"first\": "
+     "[4], ",
+     "nodes without an element: 1 (node 4)"},
     {"coincident.msh",
      MSH("8\n" CORNERS "5 0 0 0\n6 -1 0 0\n7 0 -1 0\n8 0 0 -1\n",
          "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 5 7 6 8\n"),
@@ -235,7 +236,7 @@ TEST(the_order_of_tetrahedra_is_told_and_changed)
 TEST(repair_tells_each_change_and_what_comes_out_is_good)
 {
     char out[4096];
-    /* Kuhn's six of a cube, two inverted; node 9 without any, 10 on top of 1; the third is there
+    /* Kuhn's six of a cube, two inverted; node 9 loose, 10 on top of 1; the third is there
      * twice.
      */
     write_text("broken.msh",
@@ -245,9 +246,9 @@ TEST(repair_tells_each_change_and_what_comes_out_is_good)
                    "5 4 2 0 1 1 6 5 8\n6 4 2 0 1 10 6 2 8\n7 4 2 0 1 3 7 1 8\n"));
     assert_int_equal(run(TOOL "check broken.msh", out, sizeof out), 2);
     assert_int_equal(run(TOOL "convert broken.msh mended.msh --repair", out, sizeof out), 0);
-    const char *const changes[] = {"broken.msh: nodes welded to others: 1 (node 8)\n",
+    const char *const changes[] = {"broken.msh: nodes welded to others: 1 (node 9)\n",
                                    "broken.msh: double elements dropped: 1 (tetrahedron 6)\n",
-                                   "broken.msh: nodes without an element left out: 1\n",
+                                   "broken.msh: loose nodes dropped: 1 (node 8)\n",
                                    "broken.msh: tetrahedra turned: 2 (tetrahedron 1, 4)\n",
                                    "mended.msh: 8 nodes, 6 tetrahedra"};
     for (int32_t i = 0; i < COUNT(changes); ++i) {

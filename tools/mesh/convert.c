@@ -77,7 +77,7 @@ static void print_repairs(const char *path, const ss_mesh *mesh, const ss_mesh_r
         int32_t count;
         const char *what;
     } read[] = {{mesh->joined_node_count, "vertices joined as the file was read"},
-                {mesh->unused_node_count, "nodes without an element left out"}};
+                {mesh->unused_node_count, "unused vertices left out"}};
     for (size_t i = 0; i < sizeof read / sizeof *read; ++i) {
         if (read[i].count > 0) {
             ss_plain_print(stdout, "%s: %s: %d\n", path, read[i].what, read[i].count);

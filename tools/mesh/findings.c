@@ -64,7 +64,7 @@ static void add_own_rows(findings *f)
         sliver_remedy(m), true);
     add_row(f, &f->joined, "joined_node", "vertices on top of others, joined as the file was read",
             "", "merge vertices by distance", true);
-    add_row(f, &f->unused, "unused_node", "nodes without an element, left out as the file was read",
+    add_row(f, &f->unused, "unused_node", "vertices without a face, left out as the file was read",
             "", "remove them", true);
     add_row(f, &f->skipped, "skipped_element", "elements of kinds that no model has, left out", "",
             "divide them into tetrahedra, or triangles", true);
