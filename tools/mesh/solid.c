@@ -24,9 +24,9 @@
 
 /* Tetrahedra between 35 and 145 degrees are left alone. */
 static const double good_enough = 0.81915;
-/* Of the edge; a lower tetrahedron is too small, for an explicit step goes with the least height. At
- * 0.3 the least of an organ is 0.53 of the median and the worst angle 35 degrees, at 0.4 0.71 and 33.7,
- * at 0.5 no step is longer and the worst angle is 30. */
+/* Of the edge; a lower tetrahedron is too small, for an explicit step goes with the least height.
+ * At 0.3 the least of an organ is 0.53 of the median and the worst angle 35 degrees, at 0.4 0.71
+ * and 33.7, at 0.5 no step is longer and the worst angle is 30. */
 static const double least_height = 0.4;
 
 void solid_fini(solid *s)
