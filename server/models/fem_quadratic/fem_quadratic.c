@@ -75,8 +75,8 @@ static const ss_param_row rows[ROW_COUNT] = {
 #define COST_VISCOUS 0.025
 #define COST_STEP    5.0
 #define COST_TOOL    15.0
-/* omega_max over that of linear elements, with mass added: 1.5 to 2.3 on slab, ellipsoid, ventricle,
- * organs and a regular block. */
+/* omega_max over that of linear elements, with mass added: 1.5 to 2.3 on slab, ellipsoid,
+ * ventricle, organs and a regular block. */
 #define SIDES_RATE 2.0
 
 static double step_cost_us(const ss_model_plan *plan)
