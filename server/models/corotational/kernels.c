@@ -470,4 +470,4 @@ static double descend(int32_t count, double s, const ss_real *p, const ss_real *
 /* ---- the table ---- */
 
 SS_KERNEL_TABLE_512(ss_corot_kernels, .evaluate = evaluate, .multiply = multiply, .dot = dot,
-                .scale = scale, .turn = turn, .descend = descend);
+                    .scale = scale, .turn = turn, .descend = descend);
