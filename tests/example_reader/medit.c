@@ -1,94 +1,67 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Triangles of Medit's .mesh (INRIA, technical report 253), ASCII without comments, its sections in
- * this order and no other:
- *
- *   MeshVersionFormatted 1 Dimension 3
- *   Vertices n / x y z reference ...
- *   Triangles n / vertex vertex vertex reference ...      vertices numbered from 1
- *   End
- *
- * How a reader of meshes is added: server/mesh/README.md.
+ * Triangles of Medit's .mesh (INRIA, technical report 253), ASCII without comments, in this order:
+ * MeshVersionFormatted 1 Dimension 3 Vertices n / x y z reference ... Triangles n / vertex vertex
+ * vertex reference ..., vertices numbered from 1. How a reader is added: server/mesh/README.md.
  */
+#include <math.h>
 #include <string.h>
 
 #include "mesh/readers.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-enum { MIN_LINE = 8, MAX_COUNT = 1 << 24 }; /* bytes of the shortest line, "0 0 0 0\n" */
+enum { MIN_LINE = 8 }; /* bytes of the shortest line, "0 0 0 0\n" */
 
-static bool next_integer(ss_text *text, int64_t least, int64_t most, int32_t *out)
+/* A keyword and the whole number behind it. */
+static bool next_field(ss_text *text, const char *keyword, int64_t least, int64_t most,
+                       int32_t *out)
 {
     ss_text_span word;
     int64_t value = 0;
-    const bool is_good = ss_text_next_word(text, &word) && ss_span_integer(word, &value) &&
+    const bool is_good = ss_text_next_word(text, &word) && ss_span_is(word, keyword) &&
+                         ss_text_next_word(text, &word) && ss_span_integer(word, &value) &&
                          value >= least && value <= most;
     *out = (int32_t)value;
     if (!is_good) {
-        ss_text_fault(text, "a whole number of %lld to %lld expected here", (long long)least,
-                      (long long)most);
+        ss_text_fault(text, "%s and a whole number of %lld to %lld expected here", keyword,
+                      (long long)least, (long long)most);
     }
     return is_good;
 }
 
-static bool next_keyword(ss_text *text, const char *keyword)
+/* Three numbers and a reference, which is passed over. */
+static bool next_row(ss_text *text, double out[3])
 {
-    ss_text_span word;
-    const bool is_good = ss_text_next_word(text, &word) && ss_span_is(word, keyword);
-    if (!is_good) {
-        ss_text_fault(text, "the word %s expected here", keyword);
-    }
-    return is_good;
-}
-
-/* The head of a section, and room for it. */
-static bool begin_section(ss_text *text, const char *keyword, int32_t *out_count)
-{
-    if (!next_keyword(text, keyword) || !next_integer(text, 1, MAX_COUNT, out_count)) {
-        return false;
-    }
-    if (*out_count > ss_text_left(text) / MIN_LINE) {
-        return ss_text_fault_short(text, *out_count, "", keyword);
-    }
-    return true;
-}
-
-static bool read_vertices(ss_text *text, double metres_per_unit, int32_t count, double (*x)[3])
-{
-    ss_text_span word;
-    int32_t reference;
-    for (int32_t i = 0; i < count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            if (!ss_text_next_word(text, &word) || !ss_span_number(word, &x[i][k])) {
-                ss_text_fault(text, "a coordinate of vertex %d expected here", i + 1);
-                return false;
-            }
-        }
-        ss_scale3(x[i], x[i], metres_per_unit);
-        if (!next_integer(text, INT32_MIN, INT32_MAX, &reference)) {
+    double number[4];
+    for (int k = 0; k < 4; ++k) {
+        ss_text_span word;
+        if (!ss_text_next_word(text, &word) || !ss_span_number(word, &number[k])) {
+            ss_text_fault(text, "three numbers and a reference expected here");
             return false;
         }
     }
+    ss_copy3(out, number);
     return true;
 }
 
 static bool read_triangles(ss_text *text, int32_t nodes, int32_t count, int32_t (*face)[3])
 {
-    int32_t reference;
     for (int32_t f = 0; f < count; ++f) {
-        for (int k = 0; k < 3; ++k) {
-            if (!next_integer(text, 1, nodes, &face[f][k])) {
-                return false;
-            }
-            --face[f][k];
-        }
-        if (!next_integer(text, INT32_MIN, INT32_MAX, &reference)) {
+        double number[3];
+        if (!next_row(text, number)) {
             return false;
         }
+        for (int k = 0; k < 3; ++k) {
+            if (!(number[k] >= 1.0 && number[k] <= nodes && number[k] == floor(number[k]))) {
+                ss_text_fault(text, "vertices are numbered from 1 to %d", nodes);
+                return false;
+            }
+            face[f][k] = (int32_t)number[k] - 1;
+        }
     }
-    return next_keyword(text, "End");
+    return true;
 }
 
 static softsim_status parse(ss_text *text, double metres_per_unit, ss_mesh **out_mesh)
@@ -96,13 +69,17 @@ static softsim_status parse(ss_text *text, double metres_per_unit, ss_mesh **out
     int32_t nodes = 0, faces = 0, version = 0, dimension = 0;
     double(*x)[3] = NULL;
     int32_t(*face)[3] = NULL;
-    if (next_keyword(text, "MeshVersionFormatted") && next_integer(text, 1, 4, &version) &&
-        next_keyword(text, "Dimension") && next_integer(text, 3, 3, &dimension) &&
-        begin_section(text, "Vertices", &nodes)) {
+    if (next_field(text, "MeshVersionFormatted", 1, 4, &version) &&
+        next_field(text, "Dimension", 3, 3, &dimension) &&
+        next_field(text, "Vertices", 1, ss_text_left(text) / MIN_LINE, &nodes)) {
         x = ss_memory_get((size_t)nodes, sizeof *x);
     }
-    if (x != NULL && read_vertices(text, metres_per_unit, nodes, x) &&
-        begin_section(text, "Triangles", &faces)) {
+    bool is_good = x != NULL;
+    for (int32_t i = 0; is_good && i < nodes; ++i) {
+        is_good = next_row(text, x[i]);
+        ss_scale3(x[i], x[i], metres_per_unit);
+    }
+    if (is_good && next_field(text, "Triangles", 1, ss_text_left(text) / MIN_LINE, &faces)) {
         face = ss_memory_get((size_t)faces, sizeof *face);
     }
     if (face != NULL && read_triangles(text, nodes, faces, face)) {

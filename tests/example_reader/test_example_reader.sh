@@ -3,7 +3,7 @@
 # their own readers, nothing else changed, read that format.
 #   test_example_reader.sh SOURCE_DIR BIN_DIR      BIN_DIR: of a build with that folder
 # shellcheck source=tests/common/example.sh
-source "$1/tests/common/example.sh" example_reader/medit.c 130 "$@"
+source "$1/tests/common/example.sh" example_reader/medit.c 110 "$@"
 write() { # FILE COORDINATE: a tetrahedron of 10, one of whose coordinates is that
   printf 'MeshVersionFormatted 1\nDimension 3\nVertices\n4\n0 0 0 1\n10 0 0 1\n0 %s 0 1\n0 0 10 1\n' "$2" >"$1"
   printf 'Triangles\n4\n1 3 2 1\n1 2 4 1\n2 3 4 1\n3 1 4 1\nEnd\n' >>"$1"
