@@ -42,7 +42,9 @@ static void write_pinched(pinch kind)
                                     {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
     static char elements[256 * 1024];
     static const int cells[3] = {X, Y, Z};
-    int count = 0, used = 0;
+    enum { NODES = (X + 1) * (Y + 1) * (Z + 1) };
+    bool has_element[NODES + 1] = {false}; /* by number, from 1 */
+    int count = 0, used = 0, nodes = 0;
     for (int cell = 0; cell < X * Y * Z; ++cell) {
         for (int p = 0; p < 6; ++p) {
             int at[4][3] = {{cell % X, cell / X % Y, cell / X / Y}};
@@ -52,6 +54,10 @@ static void write_pinched(pinch kind)
             }
             if (is_kept(kind, (const int(*)[3])at)) {
                 const int odd = p >= 3;
+                for (int k = 0; k < 4; ++k) {
+                    nodes += !has_element[box_node(cells, at[k])];
+                    has_element[box_node(cells, at[k])] = true;
+                }
                 used += snprintf(elements + used, sizeof elements - (size_t)used,
                                  "%d 4 0 %d %d %d %d\n", ++count, box_node(cells, at[0]),
                                  box_node(cells, at[1 + odd]), box_node(cells, at[2 - odd]),
@@ -60,10 +66,12 @@ static void write_pinched(pinch kind)
         }
     }
     FILE *file = open_file("block.msh");
-    fprintf(file, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n",
-            (X + 1) * (Y + 1) * (Z + 1));
-    for (int n = 0; n < (X + 1) * (Y + 1) * (Z + 1); ++n) {
+    fprintf(file, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n", nodes);
+    for (int n = 0; n < NODES; ++n) {
         const int at[3] = {n % (X + 1), n / (X + 1) % (Y + 1), n / (X + 1) / (Y + 1)};
+        if (!has_element[box_node(cells, at)]) {
+            continue;
+        }
         fprintf(file, "%d %g %g %g\n", box_node(cells, at), edge_mm * (at[0] - PLANE),
                 edge_mm * (at[1] - MIDDLE), edge_mm * at[2]);
     }
