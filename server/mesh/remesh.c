@@ -257,21 +257,30 @@ static int valence(const ring *g)
     return g->count + g->is_open;
 }
 
-/* Would the triangle of this side be the other way up, or much flatter, with its start at `x`? */
+/* Would the triangle of this side be the other way up, much flatter or too short, with its start at
+ * `x`? */
 static bool turns_over(const remesher *r, int32_t side, const double x[3])
 {
-    double before[3], after[3];
+    double before[3], after[3], u[3], v[3], given[3];
+    const double *a = r->x[start_of(r, side)];
     const double *b = r->x[end_of(r, side)], *c = r->x[third_of(r, side)];
-    ss_normal3(before, r->x[start_of(r, side)], b, c);
+    ss_normal3(before, a, b, c);
     ss_normal3(after, x, b, c);
-    const double size = ss_norm3(after);
-    double u[3], v[3];
     ss_sub3(u, b, x);
     ss_sub3(v, c, x);
-    /* Its angle at x, and its least height: not below 3 degrees or a hundredth of an edge. */
+    ss_sub3(given, b, a);
+    const double size = ss_norm3(after);
+    /* Its angle at x and its least height: not below 3 degrees, or a hundredth of an edge. The edge
+     * that it shares with the triangle before, and the height of x: not below a third and a fifth
+     * of L where they were more. */
     const bool is_flat = !(size > 0.05 * ss_norm3(u) * ss_norm3(v)) ||
                          !(size > 0.01 * fmax(ss_dot3(u, u), ss_dot3(v, v)));
-    return is_flat || !(ss_dot3(before, after) > most_turn * ss_norm3(before) * size);
+    double across[3];
+    ss_sub3(across, c, b);
+    const double base = ss_norm3(across);
+    const bool is_short = ss_norm3(u) < fmin(r->edge / 3.0, ss_norm3(given)) ||
+                          size < fmin(r->edge / 5.0 * base, ss_norm3(before));
+    return is_flat || is_short || !(ss_dot3(before, after) > most_turn * ss_norm3(before) * size);
 }
 
 /* ---- operations ---- */
@@ -458,7 +467,8 @@ static bool may_flip(const remesher *r, int32_t id)
         is_good = !r->is_locked[node[k]] && gather(r, node[k], &g[k]);
     }
     if (!is_good || valence(&g[0]) <= 3 || valence(&g[1]) <= 3 ||
-        are_neighbours(r, &g[2], node[3])) {
+        are_neighbours(r, &g[2], node[3]) ||
+        length_of(r, node[2], node[3]) > fmax(too_long * r->edge, length_of(r, node[0], node[1]))) {
         return false;
     }
     const double *a = r->x[node[0]], *b = r->x[node[1]], *c = r->x[node[2]], *d = r->x[node[3]];
@@ -485,14 +495,27 @@ static bool may_flip(const remesher *r, int32_t id)
 
 /* ---- rounds ---- */
 
+/* Is no other side of its triangle longer? */
+static bool is_longest(const remesher *r, int32_t id)
+{
+    const double own = length_of(r, start_of(r, id), end_of(r, id));
+    return own >= length_of(r, end_of(r, id), third_of(r, id)) &&
+           own >= length_of(r, third_of(r, id), start_of(r, id));
+}
+
+/* Until none is too long, the longest of both triangles first, which keeps angles (Rivara 1984):
+ * what moves before would be squeezed against features whose nodes are far apart. */
 static bool divide_long(remesher *r)
 {
-    const int32_t sides = 3 * r->triangle_count;
-    for (int32_t id = 0; id < sides; ++id) {
-        const int32_t a = start_of(r, id), b = end_of(r, id);
-        if ((r->mate[id] < 0 || r->mate[id] > id) && !r->is_locked[a] && !r->is_locked[b] &&
-            length_of(r, a, b) > too_long * r->edge && !divide(r, id)) {
-            return false;
+    for (int32_t before = -1; before != r->triangle_count;) {
+        before = r->triangle_count;
+        for (int32_t id = 0; id < 3 * before; ++id) {
+            const int32_t a = start_of(r, id), b = end_of(r, id);
+            if (!r->is_locked[a] && !r->is_locked[b] && length_of(r, a, b) > too_long * r->edge &&
+                is_longest(r, id) && (r->mate[id] < 0 || is_longest(r, r->mate[id])) &&
+                !divide(r, id)) {
+                return false;
+            }
         }
     }
     return true;
