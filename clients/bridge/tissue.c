@@ -13,6 +13,7 @@
 static const int64_t patience_ns = 3000000000, ask_again_ns = 500000000;
 /* One that was started just before may still be loading its scene. */
 static const int64_t start_patience_ns = 10000000000;
+static const int64_t longest_ns = 60000000000; /* though pieces come */
 
 typedef struct heard {
     ss_body_view body;
@@ -35,8 +36,11 @@ static void take_status(void *context, const softsim_server_status *status, int6
 static void take_topology(void *context, const softsim_topology_chunk *chunk)
 {
     heard *h = context;
-    h->last_ns = softsim_client_now_ns();
+    const int32_t missing = h->body.nodes_missing + h->body.triangles_missing;
     h->is_too_large = !ss_body_take_topology(&h->body, chunk);
+    if (h->body.nodes_missing + h->body.triangles_missing != missing) {
+        h->last_ns = softsim_client_now_ns();
+    }
 }
 
 /* The cylinder around a convex tool's vertices, as far as it lies towards -z. */
@@ -110,9 +114,10 @@ static bool listen(const softsim_client_config *config, heard *h, softsim_error 
         return false;
     }
     int64_t now_ns = softsim_client_now_ns(), ask_ns = now_ns;
+    const int64_t end_ns = now_ns + longest_ns;
     h->last_ns = now_ns;
     bool is_good = true;
-    while (is_good && !is_enough(h) && !ss_process_is_stopped() &&
+    while (is_good && !is_enough(h) && !ss_process_is_stopped() && now_ns < end_ns &&
            now_ns - h->last_ns <
                (h->has_status || h->has_scene ? patience_ns : start_patience_ns)) {
         if (now_ns >= ask_ns) {

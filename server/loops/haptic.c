@@ -24,9 +24,11 @@ void *ss_loops_haptic(void *argument)
         world->late_periods += skipped;
         ss_world_haptic_tick(world, tick, due, ss_clock_now_ns());
         ss_wake_signal(loops->wake_fd);
-        /* Either the simulation sees the target before it rests, or it is seen to rest here. */
-        atomic_thread_fence(memory_order_seq_cst);
-        if (world->has_target && atomic_load(&loops->is_resting)) {
+        /* Either the simulation sees the target before it rests, or it is seen to rest here: both
+         * change `is_resting`, one after the other. */
+        bool is_resting = false;
+        if (!atomic_compare_exchange_strong(&loops->is_resting, &is_resting, false) &&
+            world->has_target) {
             ss_wake_signal(loops->simulation_fd);
         }
     }

@@ -41,8 +41,7 @@ static bool rest(ss_loops *loops, int64_t *step)
     if (count < 1) {
         return false;
     }
-    atomic_store(&loops->is_resting, true);
-    atomic_thread_fence(memory_order_seq_cst);
+    (void)atomic_exchange(&loops->is_resting, true); /* against the haptic loop's look at it */
     if (!ss_world_has_tool(world)) {
         ss_wake_wait(loops->simulation_fd, loops->start_ns + (*step + count) * period);
     }

@@ -44,7 +44,7 @@ typedef struct ss_loops {
     atomic_bool is_ending; /* loops return */
     atomic_bool is_over;   /* main shall end: shutdown, duration in lockstep, broken network */
     atomic_bool is_listening;
-    atomic_bool is_resting; /* the simulation waits to be called; sequentially consistent */
+    atomic_bool is_resting; /* the simulation waits to be called; read, changed at once */
     atomic_int refreshes;   /* net -> publish */
     _Atomic double mesh_rate_hz, max_bytes_per_s; /* net -> publish */
     _Atomic double rate_hz;                       /* simulation -> net: achieved */

@@ -128,7 +128,8 @@ static bool read_vertices(reader *r)
 static bool begin_face(reader *r, int64_t face, ss_text_span *out_line, int64_t *out_corners)
 {
     if (!next_line(r, out_line) || !ss_span_next_int64(out_line, out_corners) || *out_corners < 1 ||
-        *out_corners > SS_POLYGON_CORNERS) {
+        *out_corners > SS_POLYGON_CORNERS ||
+        out_line->end - out_line->begin < 2 * *out_corners - 1) { /* a digit each, and between */
         ss_text_fault(r->text,
                       "face %lld of %lld: the number of its vertices (1 to %d), then they expected "
                       "here, on a line of its own",

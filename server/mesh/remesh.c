@@ -731,7 +731,7 @@ static bool take_given(remesher *r, double feature_deg)
     }
     memcpy(r->x, m->position, nodes * sizeof *r->x);
     memcpy(r->triangle, m->triangle, triangles * sizeof *r->triangle);
-    for (int32_t g = 0; g < m->group_count && g < MAX_GROUPS; ++g) {
+    for (int32_t g = 0; g < m->group_count; ++g) {
         for (int32_t i = 0; i < m->group[g].node_count; ++i) {
             r->groups[m->group[g].node[i]] |= (uint64_t)1 << g;
         }
@@ -763,7 +763,7 @@ static softsim_status give(const remesher *r, ss_mesh **out, softsim_error *erro
         return status;
     }
     (*out)->group = ss_memory_get((size_t)m->group_count, sizeof *(*out)->group);
-    for (int32_t g = 0; g < m->group_count && g < MAX_GROUPS && (*out)->group != NULL; ++g) {
+    for (int32_t g = 0; g < m->group_count && (*out)->group != NULL; ++g) {
         ss_mesh_group *group = &(*out)->group[g];
         memcpy(group->name, m->group[g].name, sizeof group->name);
         group->node = ss_memory_get((size_t)r->node_count, sizeof *group->node);
@@ -822,6 +822,9 @@ softsim_status ss_mesh_remesh(const ss_mesh *mesh, double edge, double feature_d
     if (mesh->tetrahedron_count > 0) {
         return refuse(error, "it has tetrahedra: give its surface (softsim-mesh convert IN "
                              "surface.obj), and fill that again");
+    }
+    if (mesh->group_count > MAX_GROUPS) {
+        return refuse(error, "it has more than 64 groups: leave those out that are not needed");
     }
     if (ss_mesh_check(mesh, &report) == SOFTSIM_OK &&
         ss_mesh_find_crossings(mesh, &crossing, &is_complete)) {

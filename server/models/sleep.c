@@ -402,6 +402,15 @@ bool ss_sleep_goes_on(ss_sleep *sleep, double time, const ss_model_tool tool[SOF
     return goes_on;
 }
 
+bool ss_sleep_has_tool(const ss_sleep *sleep)
+{
+    bool is_any = false;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        is_any = is_any || sleep->tool[p].is_present;
+    }
+    return is_any;
+}
+
 /* A quarter is over: was it still? */
 static bool end_quarter(ss_sleep *sleep)
 {

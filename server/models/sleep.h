@@ -44,6 +44,8 @@ bool ss_sleep_goes_on(ss_sleep *sleep, double time, const ss_model_tool tool[SOF
                       const double near[SOFTSIM_MAX_PROBES]);
 /* May tool `probe` of a sleeping model move on without it? Else it stands where it stood. */
 bool ss_sleep_is_tool_free(const ss_sleep *sleep, int32_t probe);
+/* Had it a tool when it was looked at last? Where that has gone, the model is to hear of it. */
+bool ss_sleep_has_tool(const ss_sleep *sleep);
 /* Until when (s) nothing changes by itself; INFINITY: for ever. */
 double ss_sleep_until(const ss_sleep *sleep);
 

@@ -345,7 +345,8 @@ void ss_world_step_compute(ss_world *world)
 
 int64_t ss_world_idle_steps(const ss_world *world)
 {
-    if (!world->sleep || !ss_sleep_is_asleep(world->sleep) || ss_world_has_tool(world)) {
+    if (!world->sleep || !ss_sleep_is_asleep(world->sleep) || ss_sleep_has_tool(world->sleep) ||
+        ss_world_has_tool(world)) {
         return 0;
     }
     const double left = ss_sleep_until(world->sleep) - (double)world->steps * world->step_period;

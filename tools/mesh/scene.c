@@ -694,6 +694,12 @@ static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, o
     if (q->model != NULL && ss_model_find(q->model)->needs_volume && !o->has_volume) {
         return refuse_surface(q, o, error);
     }
+    if (!(height_of(o) > 0.0)) {
+        softsim_error_add(error, SOFTSIM_ERROR_MESH,
+                          "%s: it is flat, seen from where the hand comes: give another --from",
+                          q->mesh);
+        return SOFTSIM_ERROR_MESH;
+    }
     choose_tool(q, o);
     choose_fixed(q, mesh, o);
     status = check_fixed(q, o, error);
