@@ -196,8 +196,7 @@ TEST(a_check_tells_what_a_new_scene_is_and_what_to_do_next)
     static const char *const says[] = {"kidney.yaml: box: -0.05", ": 110 x 58.6 x 45.2 mm\n",
                                        "kidney.yaml: fixed: 64 of 1200 nodes\n",
                                        "kidney.yaml: cost: about ",
-                                       "kidney.yaml: tissue: from +z: softsim-bridge --device sim "
-                                       "--offset-m 0."};
+                                       "from +z: softsim-bridge --device sim --offset-m 0."};
     static const struct {
         const char *set;
         int status;

@@ -213,10 +213,14 @@ TEST_WITH(a_server_at_rest_sleeps_and_wakes, make_folder, tear_down)
     expect_reply(&w, "reset", "", 0);
     watch_until(&w, is_awake, "a model that was reset");
     watch_until(&w, sleeps, "sleep again");
-    const char *const replay[] = {"softsim-replay", POKE, "--speed", "3", NULL};
-    assert_int_equal(process_run(&client, replay), 0);
-    w.statuses = 0;
-    watch_until(&w, sleeps, "sleep after a press");
+    const char *const replay[] = {"softsim-replay", POKE, NULL};
+    /* A server that is held up may not see a poke come and go. */
+    for (int tries = 0; tries == 0 || (w.status.energy_from_device_j <= 0.0 && tries < 8);
+         ++tries) {
+        assert_int_equal(process_run(&client, replay), 0);
+        w.statuses = 0;
+        watch_until(&w, sleeps, "sleep after a press");
+    }
     assert_true(w.status.energy_from_device_j > 0.0);
     watch_close(&w);
     assert_int_equal(stop_daemon(), 0);

@@ -100,7 +100,7 @@ static void play(pair *p, const body *b, const part *parts, int count)
         }
         const int64_t made = substeps(p->slept) - before;
         const int64_t asked = substeps(p->awake) - before_awake;
-        if (now->sleeps && !(made <= 0.9 * (double)asked)) {
+        if (now->sleeps && !((double)made <= 0.9 * (double)asked)) {
             fail_msg("%s, part %d: %lld sub-steps of %lld were made", b->name, k, (long long)made,
                      (long long)asked);
         }
