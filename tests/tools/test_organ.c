@@ -200,6 +200,8 @@ TEST_WITH(bad_arguments_are_named_and_write_nothing, make_folder, remove_folder)
         {"scene k.obj --tissue liver --units furlong --out o.yaml", 2, "--units"},
         {"scene k.obj --tissue liver --tool-mm 0 --out o.yaml", 2, "--tool-mm"},
         {"scene k.obj --tissue liver --tool-mm nan --out o.yaml", 2, "--tool-mm"},
+        {"scene k.obj --tissue liver --tool-mm 500 --out o.yaml", 2, "wider than the organ"},
+        {"scene k.obj --tissue liver --for accuracy --out o.yaml", 2, "accuracy needs tetrahedra"},
         {"scene k.obj --tissue liver --out k.obj", 2, "--out"},
         {"scene k.obj --tissue liver --out o.yaml --preview o.yaml", 2, "--preview"},
         {"scene k.obj --tissue liver --out /dev/null", 2, "--out: '/dev/null' is no file"},

@@ -602,11 +602,11 @@ static softsim_status refuse_surface(const request *q, const organ *o, softsim_e
     const double edge_mm = filling_edge_mm(o);
     softsim_error_add(
         error, SOFTSIM_ERROR_ARGUMENT,
-        "--model: %s needs tetrahedra, and %s is a surface%s: softsim-mesh "
+        "%s %s needs tetrahedra, and %s is a surface%s: softsim-mesh "
         "tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g, then softsim-mesh scene "
-        "VOLUME.msh ...; or --model cnn-energy",
-        q->model, q->mesh, o->is_closed ? "" : " with holes, which are to be closed first", q->mesh,
-        o->unit, edge_mm);
+        "VOLUME.msh ...; or --for feel --model cnn-energy",
+        q->model != NULL ? "--model:" : "--for:", q->model != NULL ? q->model : "accuracy", q->mesh,
+        o->is_closed ? "" : " with holes, which are to be closed first", q->mesh, o->unit, edge_mm);
     return SOFTSIM_ERROR_ARGUMENT;
 }
 
@@ -691,8 +691,17 @@ static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, o
     }
     o->mesh_name = name;
     measure(mesh, o);
-    if (q->model != NULL && ss_model_find(q->model)->needs_volume && !o->has_volume) {
+    const bool needs_volume =
+        q->model != NULL ? ss_model_find(q->model)->needs_volume : q->purpose == FOR_ACCURACY;
+    if (needs_volume && !o->has_volume) {
         return refuse_surface(q, o, error);
+    }
+    if (2e-3 * q->tool_mm > o->diagonal) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "--tool-mm: a radius of %g mm is wider than the organ of %.3g mm: give a "
+                          "smaller one, or other --units",
+                          q->tool_mm, 1e3 * o->diagonal);
+        return SOFTSIM_ERROR_ARGUMENT;
     }
     if (!(height_of(o) > 0.0)) {
         softsim_error_add(error, SOFTSIM_ERROR_MESH,
