@@ -128,8 +128,7 @@ static bool read_vertices(reader *r)
 static bool begin_face(reader *r, int64_t face, ss_text_span *out_line, int64_t *out_corners)
 {
     if (!next_line(r, out_line) || !ss_span_next_int64(out_line, out_corners) || *out_corners < 1 ||
-        *out_corners > SS_POLYGON_CORNERS ||
-        out_line->end - out_line->begin < 2 * *out_corners - 1) { /* a digit each, and between */
+        *out_corners > SS_POLYGON_CORNERS) {
         ss_text_fault(r->text,
                       "face %lld of %lld: the number of its vertices (1 to %d), then they expected "
                       "here, on a line of its own",
@@ -154,7 +153,9 @@ static bool count_faces(reader *r)
         if (!begin_face(r, f, &line, &corners)) {
             return false;
         }
-        r->draft->found[kind_of(corners)] += corners > 4 ? corners - 2 : 1;
+        /* A digit each, and between: a line that announces more is no face. */
+        const bool is_long_enough = line.end - line.begin >= 2 * corners - 1;
+        r->draft->found[kind_of(corners)] += corners > 4 && is_long_enough ? corners - 2 : 1;
     }
     return true;
 }

@@ -15,10 +15,15 @@ export async function launch(pageFolder) {
   });
 }
 
+export async function blank(browser, options = {}) {
+  const page = await browser.newPage(options);
+  page.setDefaultTimeout(HANG_MS);
+  return page;
+}
+
 // A page that shows the body and knows the tools; what goes wrong in it is added to `faults`.
 export async function open(browser, address, options, faults = []) {
-  const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, ...options });
-  page.setDefaultTimeout(HANG_MS);
+  const page = await blank(browser, { viewport: { width: 1000, height: 640 }, ...options });
   page.on('pageerror', (error) => faults.push(error.message));
   page.on('console', (message) => { if (message.type() === 'error') faults.push(message.text()); });
   await page.goto(address);

@@ -6,7 +6,7 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
-import { drawn, launch, onScreen, open, rest, until } from './chromium.mjs';
+import { blank, drawn, launch, onScreen, open, rest, until } from './chromium.mjs';
 
 const [pageFolder, bin, scenes, work, pictures] = process.argv.slice(2);
 const UPPER_FACE = [0, 0.006, 0.022]; // of the kidney
@@ -50,7 +50,7 @@ const text = (page, id) => page.textContent(`#${id}`);
 const kidney = `${scenes}/kidney.yaml`;
 
 // Before there is a server the page says so, and how to start one.
-const page = await browser.newPage({ viewport: { width: 1000, height: 640 } });
+const page = await blank(browser, { viewport: { width: 1000, height: 640 } });
 page.on('pageerror', (error) => faults.push(error.message));
 await page.goto(address);
 await kind(page, 'silent');
@@ -63,7 +63,7 @@ await until(page, () => softsim.tools.of.size > 0);
 assert.equal(await page.isVisible('#banner'), false);
 
 // A browser that cannot draw says so.
-const blind = await browser.newPage();
+const blind = await blank(browser);
 await blind.addInitScript(() => { HTMLCanvasElement.prototype.getContext = () => null; });
 await blind.goto(address);
 await until(blind, () => document.getElementById('banner-text').textContent.includes('WebGL 2'));
