@@ -138,6 +138,12 @@ static void add_block(body *b, words *w)
     }
 }
 
+/* Where a face's node is; of one that does not exist, the first. */
+static const double *place_of(const body *b, int32_t node)
+{
+    return b->x[node >= 0 && node < b->nodes ? node : 0];
+}
+
 static void damage(body *b, words *w)
 {
     const uint32_t kind = take(w) % 14;
@@ -158,7 +164,7 @@ static void damage(body *b, words *w)
         add_face(b, face[1], face[2], face[0]);
         break;
     case 2: /* a node of its own */
-        ss_copy3(x, b->x[face[0]]);
+        ss_copy3(x, place_of(b, face[0]));
         if (b->nodes < NODES) {
             face[0] = add_node(b, x);
         }
@@ -182,7 +188,7 @@ static void damage(body *b, words *w)
         add_face(b, face[0], face[1], add_node(b, x));
         break;
     case 8: /* divided on one side */
-        ss_add3(x, b->x[face[0]], b->x[face[1]]);
+        ss_add3(x, place_of(b, face[0]), place_of(b, face[1]));
         ss_scale3(x, x, 0.5);
         if (b->nodes < NODES && b->faces < FACES) {
             const int32_t middle = add_node(b, x);
@@ -194,7 +200,7 @@ static void damage(body *b, words *w)
         b->x[i][take(w) % 3] += 4.0 * take_share(w) - 2.0;
         break;
     case 10: /* near another */
-        ss_copy3(b->x[i], b->x[other[0]]);
+        ss_copy3(b->x[i], place_of(b, other[0]));
         b->x[i][0] += ldexp(1.0, -(int)(take(w) % 50));
         break;
     case 11: /* no number */
