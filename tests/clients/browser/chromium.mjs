@@ -35,6 +35,21 @@ export async function open(browser, address, options, faults = []) {
 
 export const until = (page, claim, argument = null) => page.waitForFunction(claim, argument, { timeout: HANG_MS });
 
+// Presses at [x, y] until `claim` holds in `at`: a page that the machine holds up for longer than the server's
+// patience is let go of, and its user presses again.
+export async function press(page, [x, y], claim, at = page) {
+  for (let tries = 1; ; ++tries) {
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    try {
+      return await at.waitForFunction(claim, null, { timeout: HANG_MS / 6 });
+    } catch (error) {
+      if (tries === 6) throw error;
+      await page.mouse.up();
+    }
+  }
+}
+
 // Where a point of the body at rest (metres) is on the screen.
 export const onScreen = (page, point) => page.evaluate(([x, y, z]) => {
   const { view: { camera }, body } = softsim;

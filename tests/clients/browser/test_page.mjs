@@ -6,7 +6,7 @@
 // waited for has no limit but one against hanging.
 //   node test_page.mjs PAGE_FOLDER ADDRESS PICTURE_FOLDER
 import assert from 'node:assert/strict';
-import { drawn, launch, onScreen, open, rest, until } from './chromium.mjs';
+import { drawn, launch, onScreen, open, press, rest, until } from './chromium.mjs';
 
 const [pageFolder, address, pictures] = process.argv.slice(2);
 const browser = await launch(pageFolder);
@@ -16,7 +16,7 @@ const GRASPING = 128;
 
 const shown = (page, id) => until(page, (name) => !document.getElementById(name).hidden, id);
 const hidden = (page, id) => until(page, (name) => document.getElementById(name).hidden, id);
-const felt = (page) => until(page, () => softsim.readings.force > 0.2);
+const isFelt = () => softsim.readings.force > 0.2;
 const grasped = (page, isWanted) => until(page, ([flag, wanted]) => {
   const states = [...softsim.tools.of.values()].filter((tool) => tool.visible).map((tool) => tool.state);
   return wanted === states.some((state) => (state.flags & flag) !== 0);
@@ -28,9 +28,7 @@ assert.match(await page.textContent('#scene-name'), /^kidney\.yaml · cnn-energy
 const [x, y] = await onScreen(page, UPPER_FACE);
 
 async function pressesWithTheMouse() {
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  await felt(page);
+  await press(page, [x, y], isFelt);
   await until(page, () => Math.max(...softsim.body.count) > 20);
   await until(page, () => softsim.plots.histories.get(0).samples.some((s) => s[1] > 0.2));
   await page.mouse.move(x + 15, y, { steps: 5 });
@@ -61,9 +59,7 @@ async function forgetsShift() {
 // again: the first of the two.
 async function graspsWithShift() {
   await until(page, () => [...softsim.tools.of.values()].every((tool) => !tool.visible));
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  await felt(page);
+  await press(page, [x, y], isFelt);
   assert.equal(await page.evaluate(() => softsim.hand.tool.description.probe), 0);
   await page.keyboard.down('Shift');
   await grasped(page, true);
@@ -145,7 +141,7 @@ async function worksByKeys() {
   assert.ok(Math.hypot(...(await eye()).map((c, d) => c - before[d])) < 1e-3 * Math.hypot(...before), 'the whole body again');
   await page.focus('#view');
   await page.keyboard.press('Enter');
-  await felt(page);
+  await until(page, isFelt);
   const depth = () => page.evaluate(() => parseFloat(document.getElementById('depth-set').textContent));
   const shallow = await depth();
   await page.keyboard.press('+');
@@ -174,7 +170,7 @@ async function worksByFingers(phone) {
   await phone.bringToFront();
   const first = [0, ...(await onScreen(phone, UPPER_FACE))];
   await send('touchStart', first);
-  await felt(phone);
+  await until(phone, isFelt);
   await shown(phone, 'grip');
   const shallow = await phone.evaluate(() => softsim.hand.depthShare);
   await send('touchStart', first, await on('depth', 0.8));
@@ -202,9 +198,7 @@ async function watches() {
   assert.ok(width <= 390, `the page is ${width} wide on a phone of 390`);
   await hidden(phone, 'who');
   await page.bringToFront();
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  await until(phone, () => document.getElementById('who').textContent.startsWith('Another browser holds the tool'));
+  await press(page, [x, y], () => document.getElementById('who').textContent.startsWith('Another browser holds the tool'), phone);
   await shown(phone, 'who');
   await phone.screenshot({ path: `${pictures}/phone.png` });
   await phone.touchscreen.tap(...(await onScreen(phone, UPPER_FACE)));

@@ -6,7 +6,7 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
-import { blank, drawn, launch, onScreen, open, rest, until } from './chromium.mjs';
+import { blank, drawn, launch, onScreen, open, press, rest, until } from './chromium.mjs';
 
 const [pageFolder, bin, scenes, work, pictures] = process.argv.slice(2);
 const UPPER_FACE = [0, 0.006, 0.022]; // of the kidney
@@ -71,9 +71,7 @@ await blind.close();
 
 // A server that dies under the hand: nothing of it stays as if it were live.
 const [x, y] = await onScreen(page, UPPER_FACE);
-await page.mouse.move(x, y);
-await page.mouse.down();
-await until(page, () => softsim.readings.force > 0.2 && Math.max(...softsim.body.count) > 20);
+await press(page, [x, y], () => softsim.readings.force > 0.2 && Math.max(...softsim.body.count) > 20);
 await kill(server);
 await kind(page, 'silent');
 assert.equal(await page.title(), 'softsim: no server');
@@ -203,9 +201,7 @@ await page.click('#record');
 await until(page, () => document.getElementById('record').textContent === 'Stop');
 const watcher = await open(browser, address);
 await page.bringToFront();
-await page.mouse.move(x, y);
-await page.mouse.down();
-await until(watcher, () => document.getElementById('who').textContent.startsWith('Another browser holds the tool'));
+await press(page, [x, y], () => document.getElementById('who').textContent.startsWith('Another browser holds the tool'), watcher);
 await kill(web);
 for (const each of [page, watcher]) {
   await kind(each, 'lost');
@@ -221,9 +217,7 @@ for (const each of [page, watcher]) {
 }
 await page.mouse.up();
 await rest(watcher);
-await watcher.mouse.move(x, y);
-await watcher.mouse.down();
-await until(watcher, () => softsim.readings.force > 0.2);
+await press(watcher, [x, y], () => softsim.readings.force > 0.2);
 await watcher.mouse.up();
 await rest(watcher);
 await watcher.close();
