@@ -24,8 +24,9 @@
  */
 #include "models/common/fem_element.h"
 
-/* Of one lane gcc 12 makes wrong code of unrolled loops at -O1 and above (energies off by a
- * seventh): plain C is left as it stands. */
+/* gcc 12 makes wrong code of loops unrolled within unrolled ones (energies off by a seventh; clang
+ * does not): of one lane at -O1 and above, so plain C is left as it stands; of more at -O1 and -O2,
+ * so kernels are compiled at -O3 whatever the build says (CMakeLists.txt). */
 #define PRAGMA(text) _Pragma(#text)
 #if SS_WIDE_LANES > 1
 #define UNROLL(count) PRAGMA(GCC unroll count)
@@ -135,8 +136,7 @@ SS_INLINE element point_at(const cell *c, bool is_curved, int q, ss_wide *out_sh
 
 SS_INLINE tensor point_gradient(const element *e, const nodal *field, int q)
 {
-    ss_wide d[3][3];
-    UNROLL(3)
+    ss_wide d[3][3]; /* at -O3 unrolled without being asked, with the same code */
     for (int s = 0; s < 3; ++s) {
         for (int i = 0; i < 3; ++i) {
             const ss_wide change = field->node[side[s + 1][q]][i] - field->node[side[0][q]][i];
