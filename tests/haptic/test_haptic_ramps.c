@@ -108,11 +108,18 @@ TEST(results_from_across_a_reset_do_not_count)
     rig_end(&r);
 }
 
-TEST(entry_fades_the_depth_over_500_ticks)
+/* The first tick of a device that is `depth` inside the tissue. */
+static rig rig_found_inside(double depth)
 {
     rig r;
     rig_begin(&r);
-    rig_tick(&r, -5e-3);
+    rig_tick(&r, -depth);
+    return r;
+}
+
+TEST(entry_fades_the_depth_over_500_ticks)
+{
+    rig r = rig_found_inside(5e-3);
     double last = 0.0;
     for (int i = 0; i <= 600; ++i) {
         rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
@@ -144,9 +151,7 @@ TEST(entry_fades_the_depth_over_500_ticks)
  * on, without a step. */
 TEST(tissue_that_springs_back_is_let_in_without_a_step)
 {
-    rig r;
-    rig_begin(&r);
-    rig_tick(&r, -5e-3);
+    rig r = rig_found_inside(5e-3);
     double last = 0.0;
     for (int i = 0; i <= 600; ++i) {
         rig_result(&r, 300.0, -r.out.target.proxy[2], 1);

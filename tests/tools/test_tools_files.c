@@ -261,6 +261,20 @@ TEST(a_reader_who_stalls_holds_up_no_run)
     assert_string_equal(out + 16, "\n1201\n");
 }
 
+/* A run that wrote NAME.csv and NAME.txt left them under their partial names: ticks 1, 2, 3 ...,
+ * at least `least` rows, each with all its columns, and the last with its end. */
+static void expect_rows_left(const char *name, int least)
+{
+    char out[1024], command[512];
+    (void)snprintf(command, sizeof command,
+                   "test ! -e %s.csv && test ! -e %s.txt && "
+                   "awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
+                   "END {exit bad || NR < %d}' %s.csv.part && "
+                   "test -z \"$(tail -c 1 %s.csv.part)\"",
+                   name, name, least, name, name);
+    assert_int_equal(run(command, out, sizeof out), 0);
+}
+
 TEST(a_full_disk_leaves_the_rows_of_a_run)
 {
     char out[4096];
@@ -272,13 +286,7 @@ TEST(a_full_disk_leaves_the_rows_of_a_run)
                      1);
     assert_non_null(strstr(out, "what was recorded before is in full.csv.part"));
     assert_non_null(strstr(out, "full.txt.part"));
-    assert_int_equal(run("test ! -e full.csv && test ! -e full.txt", out, sizeof out), 0);
-    /* Ticks 1, 2, 3 ..., each with all its columns, and the last with its end. */
-    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
-                         "END {exit bad || NR < 1000}' full.csv.part && "
-                         "test -z \"$(tail -c 1 full.csv.part)\"",
-                         out, sizeof out),
-                     0);
+    expect_rows_left("full", 1000);
 }
 
 /* A result is written in pieces: the first that finds no room says why, whichever it is. */
@@ -327,12 +335,7 @@ TEST(a_stopped_run_leaves_its_rows)
     assert_non_null(strstr(out, ", before its end"));
     assert_non_null(strstr(out, "cut.csv: not complete; what was recorded is in cut.csv.part"));
     assert_non_null(strstr(out, "cut.txt.part"));
-    assert_int_equal(run("test ! -e cut.csv && test ! -e cut.txt", out, sizeof out), 0);
-    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
-                         "END {exit bad || NR < 10}' cut.csv.part && "
-                         "test -z \"$(tail -c 1 cut.csv.part)\"",
-                         out, sizeof out),
-                     0);
+    expect_rows_left("cut", 10);
 }
 
 int main(void)
