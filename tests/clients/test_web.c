@@ -190,6 +190,14 @@ TEST_WITH(a_browser_may_not_do_everything, NULL, end_web)
     stop_web(0);
 }
 
+/* Waits for a text that says both. */
+static void expect_both(int fd, const char *says, const char *too)
+{
+    do {
+        expect_text(fd, says);
+    } while (strstr((const char *)message, too) == NULL);
+}
+
 /* Whatever else the server has to say of itself. */
 TEST_WITH(a_browser_knows_that_the_server_is_paused, NULL, end_web)
 {
@@ -198,9 +206,7 @@ TEST_WITH(a_browser_knows_that_the_server_is_paused, NULL, end_web)
     assert_non_null(strstr((const char *)message, "\"paused\": false"));
     send_line(fd, "command set publish.max_bytes_per_s=10000");
     send_line(fd, "command pause");
-    do {
-        expect_text(fd, "publish.max_bytes_per_s delays the mesh");
-    } while (strstr((const char *)message, "\"paused\": true") == NULL);
+    expect_both(fd, "publish.max_bytes_per_s delays the mesh", "\"paused\": true");
     send_line(fd, "command resume");
     expect_text(fd, "\"paused\": false");
     send_line(fd, "command set publish.max_bytes_per_s=8000000");

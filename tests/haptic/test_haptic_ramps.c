@@ -23,12 +23,19 @@ TEST(slew_is_limited_as_a_vector)
     rig_end(&r);
 }
 
+/* Pressed, and no pose comes any more; the force. */
+static double rig_begin_lost(rig *r)
+{
+    const double f = rig_begin_pressed(r, 300.0, 4e-3);
+    r->has_pose = false;
+    return f;
+}
+
 TEST(watchdog_ramps_after_50_ticks_in_20)
 {
     rig r;
-    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
+    const double f = rig_begin_lost(&r);
     const int32_t gone = SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_STALE;
-    r.has_pose = false;
     for (int i = 1; i <= 100; ++i) {
         const double now = rig_tick(&r, -4e-3);
         const double share = i < 50 ? 1.0 : fmax(0.0, 1.0 - (i - 49) / 20.0);
@@ -52,8 +59,7 @@ TEST(watchdog_ramps_after_50_ticks_in_20)
 TEST(missed_ticks_do_not_lengthen_the_ramp)
 {
     rig r;
-    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
-    r.has_pose = false;
+    const double f = rig_begin_lost(&r);
     for (int i = 1; i <= 80; ++i) {
         if (i >= 48 && i <= 54) {
             ++r.tick;
