@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "process.h"
+#include "rt/memory.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 
@@ -51,9 +52,8 @@ softsim_status ss_bridge_init(ss_bridge *bridge, const ss_bridge_config *config,
     bridge->poses_out = ss_bus_create(&out, sizeof(softsim_pose));
     bridge->forces_in = ss_bus_create(&in, sizeof(softsim_force));
     if (bridge->poses_out == NULL || bridge->forces_in == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
         ss_bridge_fini(bridge);
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     return SOFTSIM_OK;
 }

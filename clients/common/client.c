@@ -20,6 +20,7 @@
 #include "net/wire.h"
 #include "origin.h"
 #include "rt/clock.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 #include "softsim_command_t.h"
@@ -268,8 +269,7 @@ softsim_status softsim_client_open(const softsim_client_config *config, softsim_
     }
     softsim_client *client = calloc(1, sizeof *client);
     if (client == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     client->config = *config;
     client->sender = ss_wire_draw_sender();

@@ -13,6 +13,7 @@
 #include "page_json.h"
 #include "process.h"
 #include "recorder.h"
+#include "rt/memory.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 
@@ -453,8 +454,7 @@ softsim_status ss_hub_open(const ss_hub_config *config, ss_hub **out_hub, softsi
     *out_hub = NULL;
     ss_hub *hub = calloc(1, sizeof *hub);
     if (hub == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     hub->config = *config;
     hub->start_ns = softsim_client_now_ns();

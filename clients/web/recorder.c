@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "process.h"
+#include "rt/memory.h"
 #include "rt/plain.h"
 #include "rt/thread.h"
 #include "softsim/log.h"
@@ -367,8 +368,7 @@ softsim_status ss_recorder_open(const ss_recorder_config *config, ss_recorder **
     ss_recorder *recorder = calloc(1, sizeof *recorder);
     *out_recorder = recorder;
     if (recorder == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     recorder->config = *config;
     atomic_store(&recorder->version, 1);
@@ -378,8 +378,7 @@ softsim_status ss_recorder_open(const ss_recorder_config *config, ss_recorder **
     recorder->recordings = calloc((size_t)config->most_files, sizeof recorder->recordings[0]);
     softsim_status status = SOFTSIM_OK;
     if (recorder->ring == NULL || recorder->recordings == NULL) {
-        status = SOFTSIM_ERROR_MEMORY;
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     } else if (recorder->wake < 0 || pthread_create(&recorder->thread, NULL, run, recorder) != 0) {
         status = SOFTSIM_ERROR_SYSTEM;
         softsim_error_add(error, status,

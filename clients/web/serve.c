@@ -11,6 +11,7 @@
 #include <string.h>
 #include <sys/socket.h>
 
+#include "rt/memory.h"
 #include "softsim/client.h"
 
 enum {
@@ -514,8 +515,7 @@ softsim_status ss_serve_open(const ss_serve_config *config, ss_serve **out_serve
     *out_serve = NULL;
     ss_serve *serve = calloc(1, sizeof *serve);
     if (serve == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     lws_set_log_level(0, NULL);
     snprintf(serve->token, sizeof serve->token, "%s", config->token != NULL ? config->token : "");

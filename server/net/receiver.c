@@ -600,7 +600,7 @@ softsim_status ss_receiver_open(const ss_receiver_config *config, ss_receiver **
         status = open_lanes(receiver, config, &url, error);
     }
     if (status == SOFTSIM_ERROR_MEMORY) {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     if (status != SOFTSIM_OK) {
         ss_receiver_close(&receiver);

@@ -67,3 +67,9 @@ int64_t ss_memory_in_use(void)
 {
     return atomic_load_explicit(&bytes_in_use, memory_order_relaxed);
 }
+
+softsim_status ss_memory_fault(softsim_error *error)
+{
+    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+    return SOFTSIM_ERROR_MEMORY;
+}

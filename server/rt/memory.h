@@ -9,6 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "softsim/types.h"
+
 /* NULL when out of memory or when count * size overflows; a zero count gives a valid pointer. */
 void *ss_memory_get(size_t count, size_t size);
 /* Room for one entry more than `count` of an array of *inout_room, twice as much where it is full;
@@ -17,3 +19,5 @@ void *ss_memory_grow(void *memory, int32_t count, int32_t *inout_room, size_t si
 /* Accepts NULL. */
 void ss_memory_free(void *memory);
 int64_t ss_memory_in_use(void);
+/* Says in `error` that there is no memory left, and returns that status. */
+softsim_status ss_memory_fault(softsim_error *error);

@@ -275,11 +275,8 @@ SERVED_TEST(bridge_tells_that_it_began_inside)
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
                                 "0,0,0",          "--ticks",  "300", NULL};
     stand_in.is_entering = true;
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(0);
+    run_served(argv, 0);
     assert_non_null(strstr(child.err, "the hand started inside the tissue"));
-    stop_server();
     memset(&stand_in, 0, sizeof stand_in);
     start_server();
     process_start(&child, argv, NULL);

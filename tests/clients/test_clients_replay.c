@@ -114,60 +114,69 @@ SERVED_TEST(silence_is_a_failure)
     const char *const argv[] = {"softsim-replay", log, "--lockstep", NULL};
     make_log(log, 10, 1);
     stand_in.is_mute = true;
-    start_server();
-    process_start(&child, argv, NULL);
-    expect_status(1);
+    run_served(argv, 1);
     assert_non_null(strstr(child.err, "no answer for 5 s after pose 1"));
-    stop_server();
     assert_in_range(stand_in.poses, 10, 60); /* the pose was sent again and again */
+}
+
+/* A replay that is broken off while it records. */
+typedef struct recording {
+    const char *csv, *csv_part, *record, *record_part, *argv[7];
+} recording;
+
+static recording make_recording(void)
+{
+    const char *log = in_folder("a.lcmlog");
+    recording r = {.csv = in_folder("k.csv"),
+                   .csv_part = in_folder("k.csv.part"),
+                   .record = in_folder("k.lcmlog"),
+                   .record_part = in_folder("k.lcmlog.part")};
+    const char *const argv[7] = {"softsim-replay", log, "--csv", r.csv, "--record", r.record, NULL};
+    memcpy(r.argv, argv, sizeof r.argv);
+    make_log(log, 30000, 1);
+    return r;
+}
+
+/* It left records up to its end, nothing cut and nothing damaged, and no file with its own name. */
+static void expect_left(const recording *r, int least)
+{
+    int64_t rest = 0;
+    assert_true(count_records(r->record_part, &rest) > least);
+    assert_int_equal(rest, 0);
+    assert_int_equal(access(r->csv, F_OK), -1);
+    assert_int_equal(access(r->record, F_OK), -1);
 }
 
 /* A file has its name once it is complete; what there is until then stays, and is named. */
 SERVED_TEST(stopped_replay_keeps_its_files)
 {
-    const char *log = in_folder("a.lcmlog");
-    const char *csv = in_folder("a.csv"), *csv_part = in_folder("a.csv.part");
-    const char *record = in_folder("r.lcmlog"), *record_part = in_folder("r.lcmlog.part");
-    const char *const argv[] = {"softsim-replay", log, "--csv", csv, "--record", record, NULL};
-    make_log(log, 30000, 1);
-    run_until_stopped(argv, SIGINT, 1);
+    const recording r = make_recording();
+    run_until_stopped(r.argv, SIGINT, 1);
     const char *stopped = strstr(child.err, "stopped after");
     assert_non_null(stopped);
-    assert_non_null(strstr(stopped, "a.csv: not complete; what was recorded is in "));
-    assert_non_null(strstr(stopped, csv_part));
-    assert_non_null(strstr(stopped, record_part));
-    assert_true(read_csv(csv_part) > 0);
-    int64_t rest = 0;
-    assert_true(count_records(record_part, &rest) > 0);
-    assert_int_equal(rest, 0);
-    assert_int_equal(access(csv, F_OK), -1);
-    assert_int_equal(access(record, F_OK), -1);
+    assert_non_null(strstr(stopped, "k.csv: not complete; what was recorded is in "));
+    assert_non_null(strstr(stopped, r.csv_part));
+    assert_non_null(strstr(stopped, r.record_part));
+    assert_true(read_csv(r.csv_part) > 0);
+    expect_left(&r, 0);
 }
 
 SERVED_TEST(a_killed_replay_leaves_what_it_recorded)
 {
-    const char *log = in_folder("a.lcmlog");
-    const char *csv = in_folder("k.csv"), *csv_part = in_folder("k.csv.part");
-    const char *record = in_folder("k.lcmlog"), *record_part = in_folder("k.lcmlog.part");
-    const char *const argv[] = {"softsim-replay", log, "--csv", csv, "--record", record, NULL};
-    make_log(log, 30000, 1);
+    const recording r = make_recording();
     start_server();
-    process_start(&child, argv, NULL);
-    wait_for_file(csv_part);
-    wait_for_file(record_part);
+    process_start(&child, r.argv, NULL);
+    wait_for_file(r.csv_part);
+    wait_for_file(r.record_part);
     process_signal(&child, SIGKILL);
     expect_status(128 + SIGKILL);
     stop_server();
-    assert_non_null(strstr(child.err, csv_part)); /* told while it could */
-    assert_non_null(strstr(child.err, record_part));
-    assert_true(count_lines(csv_part) > 1);
-    int64_t rest = 0;
-    assert_true(count_records(record_part, &rest) > 10);
-    assert_int_equal(rest, 0); /* nothing cut, nothing damaged */
-    assert_int_equal(access(csv, F_OK), -1);
-    assert_int_equal(access(record, F_OK), -1);
+    assert_non_null(strstr(child.err, r.csv_part)); /* told while it could */
+    assert_non_null(strstr(child.err, r.record_part));
+    assert_true(count_lines(r.csv_part) > 1);
+    expect_left(&r, 10);
     /* Nor may what was left be written over by who plays it. */
-    const char *const over[] = {"softsim-replay", record_part, "--record", record, NULL};
+    const char *const over[] = {"softsim-replay", r.record_part, "--record", r.record, NULL};
     assert_int_equal(process_run(&child, over), 2);
     assert_non_null(strstr(child.err, "k.lcmlog.part', which is the file played"));
 }

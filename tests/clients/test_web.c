@@ -190,24 +190,28 @@ TEST_WITH(a_browser_may_not_do_everything, NULL, end_web)
     stop_web(0);
 }
 
+/* Waits for a text that says both. */
+static void expect_both(int fd, const char *says, const char *too)
+{
+    do {
+        expect_text(fd, says);
+    } while (strstr((const char *)message, too) == NULL);
+}
+
 /* Whatever else the server has to say of itself. */
 TEST_WITH(a_browser_knows_that_the_server_is_paused, NULL, end_web)
 {
-    start_web("127.0.0.1", NULL, NULL);
-    const int fd = open_browser();
+    const int fd = start_browsed();
     expect_text(fd, "\"type\": \"status\"");
     assert_non_null(strstr((const char *)message, "\"paused\": false"));
     send_line(fd, "command set publish.max_bytes_per_s=10000");
     send_line(fd, "command pause");
-    do {
-        expect_text(fd, "publish.max_bytes_per_s delays the mesh");
-    } while (strstr((const char *)message, "\"paused\": true") == NULL);
+    expect_both(fd, "publish.max_bytes_per_s delays the mesh", "\"paused\": true");
     send_line(fd, "command resume");
     expect_text(fd, "\"paused\": false");
     send_line(fd, "command set publish.max_bytes_per_s=8000000");
     expect_text(fd, "\"type\": \"reply\", \"code\": 0, \"text\": \"publish.max_bytes_per_s = 8");
-    close(fd);
-    stop_web(0);
+    stop_browsed(fd);
 }
 
 /* The surface before the forces, which are of ten seconds, so that none of them is of nothing. */
@@ -235,8 +239,7 @@ TEST_WITH(a_late_browser_gets_the_forces_of_before, NULL, end_web)
 /* The same body, and not one of the old dents. */
 TEST_WITH(a_server_that_starts_again_is_shown_afresh, NULL, end_web)
 {
-    start_web("127.0.0.1", NULL, NULL);
-    const int fd = open_browser();
+    const int fd = start_browsed();
     expect_frame(fd, TOPOLOGY_FRAME);
     expect_text(fd, "\"type\": \"status\"");
     const double session = number_of("\"session\": ");
@@ -250,16 +253,14 @@ TEST_WITH(a_server_that_starts_again_is_shown_afresh, NULL, end_web)
     assert_true(number_of("\"session\": ") != session);
     expect_text(fd, "\"is_silent\": false");
     expect_frame(fd, TOPOLOGY_FRAME);
-    close(fd);
-    stop_web(0);
+    stop_browsed(fd);
 }
 
 /* A server that takes steps of two millimetres only, and a mouse that jumps by thirty. */
 TEST_WITH(no_pose_jumps_further_than_the_server_takes, NULL, end_web)
 {
     enum { JUMPS = 10 };
-    start_web("127.0.0.1", NULL, NULL);
-    const int fd = open_browser();
+    const int fd = start_browsed();
     send_line(fd, "command set haptic.max_jump_m=0.002");
     expect_text(fd, "{\"path\": \"haptic.max_jump_m\", \"value\": \"0.002\"");
     for (int i = 0; i < JUMPS; ++i) {
@@ -283,15 +284,13 @@ TEST_WITH(no_pose_jumps_further_than_the_server_takes, NULL, end_web)
     assert_int_equal(jumps, 0);
     send_line(fd, "command set haptic.max_jump_m=0.05");
     expect_text(fd, "\"type\": \"reply\", \"code\": 0, \"text\": \"haptic.max_jump_m = 0.05");
-    close(fd);
-    stop_web(0);
+    stop_browsed(fd);
 }
 
 /* The potential of the cells under a press, with its unit; a body of no law has no energy. */
 TEST_WITH(a_browser_is_told_the_field_that_it_asks_for, NULL, end_web)
 {
-    start_web("127.0.0.1", NULL, NULL);
-    const int fd = open_browser();
+    const int fd = start_browsed();
     expect_text(fd, "none|displacement|potential\"");
     send_line(fd, "command set publish.field=energy");
     expect_text(fd,
@@ -307,8 +306,7 @@ TEST_WITH(a_browser_is_told_the_field_that_it_asks_for, NULL, end_web)
     }
     send_line(fd, "command set publish.field=none");
     expect_text(fd, "\"type\": \"reply\", \"code\": 0");
-    close(fd);
-    stop_web(0);
+    stop_browsed(fd);
 }
 
 TEST_WITH(a_recording_can_be_fetched_and_read, NULL, end_web)
@@ -332,8 +330,7 @@ TEST_WITH(a_recording_can_be_fetched_and_read, NULL, end_web)
     const char *const argv[] = {
         "softsim-run", SOURCE_DIR "/server/scenes/kidney.yaml", "--poses", path, "--hash", NULL};
     assert_int_equal(process_run(&run, argv), 0);
-    close(fd);
-    stop_web(0);
+    stop_browsed(fd);
 }
 
 /* However its browser goes, the probe is let go and another browser may have it. */

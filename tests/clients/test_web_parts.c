@@ -298,6 +298,18 @@ TEST(the_probe_follows_the_mouse_without_a_jump)
     assert_true(fabs(last.position[0] + 0.1) < 1e-4);
 }
 
+/* The mouse has been at 0 and is on its way to x (m); returns the time, in ns. */
+static int64_t send_mouse(ss_mouse *mouse, double x, softsim_pose *pose)
+{
+    const int64_t now_ns = 1000 * MS;
+    ss_mouse_aim aim = aim_at(0.0);
+    ss_mouse_aim_at(mouse, &aim, now_ns);
+    ss_mouse_move(mouse, now_ns, pose);
+    aim = aim_at(x);
+    ss_mouse_aim_at(mouse, &aim, now_ns);
+    return now_ns;
+}
+
 /* A server that takes small steps only, of which three in a row are lost. */
 TEST(no_pose_is_further_than_the_server_takes)
 {
@@ -305,12 +317,8 @@ TEST(no_pose_is_further_than_the_server_takes)
     double x[STEPS];
     ss_mouse mouse = {.max_jump_m = 0.002};
     softsim_pose pose = {0};
-    int64_t now_ns = 1000 * MS;
-    ss_mouse_aim aim = aim_at(0.0);
-    ss_mouse_aim_at(&mouse, &aim, now_ns);
-    ss_mouse_move(&mouse, now_ns, &pose);
-    aim = aim_at(0.05);
-    ss_mouse_aim_at(&mouse, &aim, now_ns);
+    int64_t now_ns = send_mouse(&mouse, 0.05, &pose);
+    const ss_mouse_aim aim = aim_at(0.05);
     for (int i = 0; i < STEPS; ++i) {
         ss_mouse_aim_at(&mouse, &aim, now_ns);
         now_ns += (i % 7 == 0 ? 60 : 4) * MS; /* now and then its thread is held up */
@@ -328,12 +336,7 @@ TEST(the_way_does_not_depend_on_the_period)
     for (int k = 0; k < 2; ++k) {
         ss_mouse mouse = {0};
         softsim_pose pose = {0};
-        int64_t now_ns = 1000 * MS;
-        ss_mouse_aim aim = aim_at(0.0);
-        ss_mouse_aim_at(&mouse, &aim, now_ns);
-        ss_mouse_move(&mouse, now_ns, &pose);
-        aim = aim_at(0.01);
-        ss_mouse_aim_at(&mouse, &aim, now_ns);
+        int64_t now_ns = send_mouse(&mouse, 0.01, &pose);
         for (int i = 0; i < (k == 0 ? 40 : 10); ++i) {
             now_ns += (k == 0 ? 1 : 4) * MS;
             ss_mouse_move(&mouse, now_ns, &pose);

@@ -195,14 +195,19 @@ TEST_WITH(all_of_a_recording_is_there_when_the_disk_keeps_up, begin, close_recor
     }
 }
 
+static void start_with(int messages)
+{
+    start();
+    for (int n = 0; n < messages; ++n) {
+        take(n);
+    }
+}
+
 TEST_WITH(a_recording_ends_at_its_limit_and_the_next_begins, begin, close_recorder)
 {
     open_recorder((ss_recorder_config){.most_bytes = 10 * (MESSAGE + 28 + 15)});
     for (int k = 0; k < 2; ++k) {
-        start();
-        for (int n = 0; n < 30; ++n) {
-            take(n);
-        }
+        start_with(30);
         expect("the most that one recording may have");
         assert_non_null(strstr(told, "\"is_recording\": false"));
         assert_int_equal(count_recorded(), 10);
@@ -213,17 +218,11 @@ TEST_WITH(all_recordings_together_are_bounded_and_none_is_removed, begin, close_
 {
     open_recorder((ss_recorder_config){.most_in_all = 25 * (MESSAGE + 28 + 15)});
     for (int k = 0; k < 2; ++k) {
-        start();
-        for (int n = 0; n < 10; ++n) {
-            take(n);
-        }
+        start_with(10);
         stop();
         assert_int_equal(count_recorded(), 10);
     }
-    start();
-    for (int n = 0; n < 10; ++n) {
-        take(n);
-    }
+    start_with(10);
     expect("as large as they may be");
     assert_int_equal(count_recorded(), 5);
     ss_recorder_want(recorder, true);

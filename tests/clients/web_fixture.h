@@ -272,6 +272,19 @@ static inline void stop_web(int status)
     }
 }
 
+/* A server on this machine's own address and a browser on it. */
+static inline int start_browsed(void)
+{
+    start_web("127.0.0.1", NULL, NULL);
+    return open_browser();
+}
+
+static inline void stop_browsed(int fd)
+{
+    close(fd);
+    stop_web(0);
+}
+
 static inline bool start_server(void)
 {
     const char *const argv[] = {"softsimd", SOURCE_DIR "/server/scenes/kidney.yaml", "--realtime",

@@ -12,6 +12,7 @@
 #include "mesh/mesh.h"
 #include "models/model.h"
 #include "number_fixture.h"
+#include "rt/hash.h"
 
 enum { MAX_ROWS = 40 };
 
@@ -158,6 +159,13 @@ static inline double energy_gain(const setup *s)
 static inline double moved(const setup *s, int32_t node, int axis)
 {
     return (double)s->class->displacement(s->model)[4 * (ptrdiff_t)node + axis];
+}
+
+/* Of its state and its displacements. */
+static inline uint64_t hash_of(const setup *s)
+{
+    return ss_hash_bytes(s->class->hash(s->model, SS_HASH_START), s->class->displacement(s->model),
+                         4 * (size_t)s->mesh->node_count * sizeof(ss_real));
 }
 
 /* Of nodes' x, y and z; what is no number stays. */

@@ -41,12 +41,19 @@ static ss_tool_pose sphere_at(double x, double y, double depth)
     return pose_at(x, y, 0.005 - depth);
 }
 
+/* At DEPTH over the middle, where nothing has slid yet. */
+static ss_tool_pose begin_pressed(double friction[3])
+{
+    begin(MU, NULL);
+    const ss_tool_pose pose = sphere_at(0.0, 0.0, DEPTH);
+    go(&pose, friction);
+    return pose;
+}
+
 TEST(a_tool_sticks_and_then_slides_at_the_limit)
 {
     double friction[3], last = 0.0;
-    begin(MU, NULL);
-    ss_tool_pose pose = sphere_at(0.0, 0.0, DEPTH);
-    go(&pose, friction);
+    ss_tool_pose pose = begin_pressed(friction);
     assert_near(ss_norm3(friction), 0.0, 0.0);
     const double normal = tool_force[2];
     assert_true(normal > 0.0);
@@ -72,9 +79,7 @@ TEST(a_tool_sticks_and_then_slides_at_the_limit)
 TEST(what_the_tool_feels_the_tissue_gets)
 {
     double friction[3], sum[3] = {0.0, 0.0, 0.0};
-    begin(MU, NULL);
-    ss_tool_pose pose = sphere_at(0.0, 0.0, DEPTH);
-    go(&pose, friction);
+    ss_tool_pose pose = begin_pressed(friction);
     pose = sphere_at(0.0001, -0.00005, DEPTH);
     go(&pose, friction);
     for (int32_t i = 0; i < mesh.node_count; ++i) {
@@ -93,9 +98,7 @@ TEST(what_the_tool_feels_the_tissue_gets)
 TEST(what_sticks_does_not_creep)
 {
     double friction[3], first[3];
-    begin(MU, NULL);
-    ss_tool_pose pose = sphere_at(0.0, 0.0, DEPTH);
-    go(&pose, friction);
+    ss_tool_pose pose = begin_pressed(friction);
     pose = sphere_at(2e-5, 0.0, DEPTH);
     go(&pose, first);
     for (int n = 0; n <= 60000; ++n) {
@@ -175,9 +178,7 @@ TEST(a_place_that_is_only_tried_leaves_nothing)
 TEST(comes_off_without_a_force_and_loses_what_it_held)
 {
     double friction[3];
-    begin(MU, NULL);
-    ss_tool_pose pose = sphere_at(0.0, 0.0, DEPTH);
-    go(&pose, friction);
+    ss_tool_pose pose = begin_pressed(friction);
     pose = sphere_at(0.0005, 0.0, DEPTH);
     go(&pose, friction);
     const double held = stored;
@@ -216,9 +217,7 @@ TEST(each_node_may_have_its_coefficient)
 TEST(the_tangent_holds_what_sticks)
 {
     double friction[3], change[3];
-    begin(MU, NULL);
-    ss_tool_pose pose = sphere_at(0.0, 0.0, DEPTH);
-    go(&pose, friction);
+    ss_tool_pose pose = begin_pressed(friction);
     for (int slides = 0; slides < 2; ++slides) {
         ss_set3(change, 0.0, 0.0, 0.0);
         ss_contact_query_tangent(query, NULL, (double[3]){1.0, 0.0, 0.0}, NULL, change);

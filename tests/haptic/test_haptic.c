@@ -215,14 +215,20 @@ static void lie(rig *r, double k, double depth, int as)
     (void)rig_tick(r, -depth);
 }
 
+/* In contact, with a tool that has a torque. */
+static void rig_press_turning(rig *r, double k, double depth)
+{
+    ss_haptic_config config = default_config();
+    config.tool_gyration = 0.005;
+    rig_start(r, &config);
+    rig_press(r, k, depth);
+}
+
 TEST(a_torque_does_not_jump_as_contacts_come_and_go)
 {
     const double k = 300.0, depth = 4e-3;
-    ss_haptic_config config = default_config();
-    config.tool_gyration = 0.005;
     rig r;
-    rig_start(&r, &config);
-    rig_press(&r, k, depth);
+    rig_press_turning(&r, k, depth);
     for (int n = 0; n < 200; ++n) {
         lie(&r, k, depth, 0);
     }
@@ -240,11 +246,8 @@ TEST(a_torque_does_not_jump_as_contacts_come_and_go)
 TEST(a_turn_is_felt_between_results)
 {
     const double k = 300.0, depth = 4e-3, arm = 0.02, angle = 0.01;
-    ss_haptic_config config = default_config();
-    config.tool_gyration = 0.005;
     rig r;
-    rig_start(&r, &config);
-    rig_press(&r, k, depth);
+    rig_press_turning(&r, k, depth);
     for (int n = 0; n < 200; ++n) {
         rig_result(&r, k, depth, 1);
         r.result.set.contact[0].point[0] = arm;

@@ -23,12 +23,19 @@ TEST(slew_is_limited_as_a_vector)
     rig_end(&r);
 }
 
+/* Pressed, and no pose comes any more; the force. */
+static double rig_begin_lost(rig *r)
+{
+    const double f = rig_begin_pressed(r, 300.0, 4e-3);
+    r->has_pose = false;
+    return f;
+}
+
 TEST(watchdog_ramps_after_50_ticks_in_20)
 {
     rig r;
-    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
+    const double f = rig_begin_lost(&r);
     const int32_t gone = SOFTSIM_FORCE_RAMPING | SOFTSIM_FORCE_STALE;
-    r.has_pose = false;
     for (int i = 1; i <= 100; ++i) {
         const double now = rig_tick(&r, -4e-3);
         const double share = i < 50 ? 1.0 : fmax(0.0, 1.0 - (i - 49) / 20.0);
@@ -52,8 +59,7 @@ TEST(watchdog_ramps_after_50_ticks_in_20)
 TEST(missed_ticks_do_not_lengthen_the_ramp)
 {
     rig r;
-    const double f = rig_begin_pressed(&r, 300.0, 4e-3);
-    r.has_pose = false;
+    const double f = rig_begin_lost(&r);
     for (int i = 1; i <= 80; ++i) {
         if (i >= 48 && i <= 54) {
             ++r.tick;
@@ -108,11 +114,18 @@ TEST(results_from_across_a_reset_do_not_count)
     rig_end(&r);
 }
 
-TEST(entry_fades_the_depth_over_500_ticks)
+/* The first tick of a device that is `depth` inside the tissue. */
+static rig rig_found_inside(double depth)
 {
     rig r;
     rig_begin(&r);
-    rig_tick(&r, -5e-3);
+    rig_tick(&r, -depth);
+    return r;
+}
+
+TEST(entry_fades_the_depth_over_500_ticks)
+{
+    rig r = rig_found_inside(5e-3);
     double last = 0.0;
     for (int i = 0; i <= 600; ++i) {
         rig_result(&r, 300.0, -r.out.target.proxy[2], 1);
@@ -144,9 +157,7 @@ TEST(entry_fades_the_depth_over_500_ticks)
  * on, without a step. */
 TEST(tissue_that_springs_back_is_let_in_without_a_step)
 {
-    rig r;
-    rig_begin(&r);
-    rig_tick(&r, -5e-3);
+    rig r = rig_found_inside(5e-3);
     double last = 0.0;
     for (int i = 0; i <= 600; ++i) {
         rig_result(&r, 300.0, -r.out.target.proxy[2], 1);

@@ -56,6 +56,24 @@ static softsim_refusal offer(ss_gate *gate, int64_t sender, int32_t seq, int64_t
     return ss_gate_judge(gate, &pose, 0, now_ns, out_epoch);
 }
 
+/* A gate that has let ALICE in, by her pose 1 at now_ns. */
+static ss_gate *gate_of_alice(bool is_lockstep, int64_t now_ns)
+{
+    ss_gate *gate = gate_make(is_lockstep);
+    uint32_t epoch = 0;
+    assert_int_equal(offer(gate, ALICE, 1, now_ns, &epoch), SOFTSIM_ACCEPTED);
+    return gate;
+}
+
+/* One pose of ALICE a millisecond until `count`, seq 1 and on, each accepted. */
+static void offer_each_ms(ss_gate *gate, int32_t count)
+{
+    uint32_t epoch = 0;
+    for (int32_t i = 0; i < count; ++i) {
+        assert_int_equal(offer(gate, ALICE, i + 1, i * MS, &epoch), SOFTSIM_ACCEPTED);
+    }
+}
+
 /* Changes a good pose. */
 #define CHANGE(name, ...)                                                                          \
     static void name(softsim_pose *p)                                                              \
@@ -225,9 +243,8 @@ TEST(the_first_sender_keeps_the_probe_until_half_a_second_of_silence)
 
 TEST(ownership_in_lockstep_runs_on_simulated_time)
 {
-    ss_gate *gate = gate_make(true);
+    ss_gate *gate = gate_of_alice(true, 1 * MS);
     uint32_t epoch = 0;
-    assert_int_equal(offer(gate, ALICE, 1, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
     for (int64_t tick = 2; tick <= 500; ++tick) {
         assert_int_equal(offer(gate, BOB, (int32_t)tick, tick * MS, &epoch),
                          SOFTSIM_REFUSED_OTHER_SENDER);
@@ -238,9 +255,8 @@ TEST(ownership_in_lockstep_runs_on_simulated_time)
 
 TEST(probes_are_held_each_by_itself)
 {
-    ss_gate *gate = gate_make(false);
+    ss_gate *gate = gate_of_alice(false, 1 * MS);
     uint32_t epoch = 0;
-    assert_int_equal(offer(gate, ALICE, 1, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
     softsim_pose pose = pose_make(BOB, 1, 1 * MS);
     pose.probe = 2;
     assert_int_equal(ss_gate_judge(gate, &pose, 2, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
@@ -251,9 +267,8 @@ TEST(probes_are_held_each_by_itself)
 TEST(a_jump_is_refused_until_the_watchdog_lets_go)
 {
     for (int lockstep = 0; lockstep < 2; ++lockstep) {
-        ss_gate *gate = gate_make(lockstep != 0);
+        ss_gate *gate = gate_of_alice(lockstep != 0, 1 * MS);
         uint32_t epoch = 0;
-        assert_int_equal(offer(gate, ALICE, 1, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
         softsim_pose pose = pose_make(ALICE, 2, 2 * MS);
         pose.position[0] += 0.0499;
         assert_int_equal(judge(gate, &pose, 2 * MS), SOFTSIM_ACCEPTED);
@@ -304,9 +319,7 @@ TEST(fifty_ticks_are_counted_exactly_at_any_rate)
 TEST(old_poses_are_stale_in_real_time_only)
 {
     for (int lockstep = 0; lockstep < 2; ++lockstep) {
-        ss_gate *gate = gate_make(lockstep != 0);
-        uint32_t epoch = 0;
-        assert_int_equal(offer(gate, ALICE, 1, 1000 * MS, &epoch), SOFTSIM_ACCEPTED);
+        ss_gate *gate = gate_of_alice(lockstep != 0, 1000 * MS);
         softsim_pose pose = pose_make(ALICE, 2, 1010 * MS);
         pose.utime_us -= 49000;
         assert_int_equal(judge(gate, &pose, 1010 * MS), SOFTSIM_ACCEPTED);
@@ -342,9 +355,7 @@ TEST(age_is_measured_against_the_last_ten_seconds)
 
 TEST(a_sender_back_after_long_silence_is_not_held_to_its_old_delays)
 {
-    ss_gate *gate = gate_make(false);
-    uint32_t epoch = 0;
-    assert_int_equal(offer(gate, ALICE, 1, 1 * MS, &epoch), SOFTSIM_ACCEPTED);
+    ss_gate *gate = gate_of_alice(false, 1 * MS);
     assert_int_equal(judge_late(gate, 2, 20000, 60), SOFTSIM_ACCEPTED);
     ss_gate_destroy(&gate);
 }
@@ -353,10 +364,8 @@ TEST(a_sender_that_is_always_stale_starts_afresh_after_half_a_second)
 {
     ss_gate *gate = gate_make(false);
     uint32_t epoch = 0;
-    int32_t seq = 0;
-    for (int64_t ms = 0; ms < 100; ++ms) {
-        assert_int_equal(offer(gate, ALICE, ++seq, ms * MS, &epoch), SOFTSIM_ACCEPTED);
-    }
+    int32_t seq = 100;
+    offer_each_ms(gate, seq);
     /* Its clock is set back by an hour. */
     int64_t ms = 100;
     for (; ms < 600; ++ms) {
@@ -392,10 +401,7 @@ TEST(one_timely_pose_ends_the_count_to_a_fresh_start)
 TEST(a_log_played_twice_by_the_same_sender_gets_in_again)
 {
     ss_gate *gate = gate_make(false);
-    uint32_t epoch = 0;
-    for (int32_t i = 0; i < 2000; ++i) {
-        assert_int_equal(offer(gate, ALICE, i + 1, i * MS, &epoch), SOFTSIM_ACCEPTED);
-    }
+    offer_each_ms(gate, 2000);
     int32_t accepted = 0;
     for (int32_t i = 0; i < 2000; ++i) {
         softsim_pose pose = pose_make(ALICE, i + 1, i * MS);

@@ -600,51 +600,64 @@ TEST(of_two_servers_at_most_one_gives_way)
     }
 }
 
-TEST(bad_urls_and_prefixes_are_refused_with_a_hint)
+static void expect_bad_address(const char *url, const char *prefix, const char *hint)
 {
-    static const struct {
-        const char *url, *prefix, *hint;
-    } cases[] = {
-        {"tcpq://127.0.0.1:7700", "T", "udpm://"},
-        {"file:///tmp/x.lcmlog", "T", "softsim-replay"},
-        {"nonsense", "T", "udpm://"},
-        {"udpm://127.0.0.1:7667?ttl=0", "T", "multicast"},
-        {"udpm://239.255.76.67:0", "T", "multicast"},
-        {"udpm://239.255.76.67:70000", "T", "multicast"},
-        {"udpm://239.255.76.67:76x", "T", "multicast"},
-        {"udpm://group.example:7667", "T", "multicast"},
-        {"udpm://2399999999999999999999999999999999999999999999999999999999999999999999.1", "T",
-         "multicast"},
-        {"udpm://239.255.76.67:7667?ttl=-1", "T", "ttl is a whole number"},
-        {"udpm://239.255.76.67:7667?ttl=999999999999", "T", "ttl is a whole number"},
-        {"udpm://239.255.76.67:7667?ttl=256", "T", "ttl is a whole number"},
-        {"udpm://239.255.76.67:7667?ttl=1.5", "T", "ttl is a whole number"},
-        {"udpm://239.255.76.67:7667?ttl=", "T", "ttl is a whole number"},
-        {"udpm://239.255.76.67:7667?ttl=0&recv_buf_size=-5", "T", "recv_buf_size is"},
-        {"udpm://239.255.76.67:7667?tll=0", "T", "its options are"},
-        {"memq://", "", "prefix"},
-        {"memq://", NULL, "prefix"},
-        {"memq://", "A B", "prefix"},
-        {"memq://", "A*", "prefix"},
-        {"memq://", "A/B", "prefix"},
-        {"memq://", "12345678901234567890123456789012345678901", "prefix"},
-    };
     const ss_net_calls calls = {NULL, hear_pose, hear_refusal, hear_command};
     const double rest[1][3] = {{0, 0, 0}};
     const ss_publish_mesh mesh = {.node_count = 1, .rest = rest, .diagonal = 1.0};
-    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; ++c) {
-        softsim_error error = {.status = SOFTSIM_OK};
-        const ss_net_config config = {.lcm_url = cases[c].url, .prefix = cases[c].prefix};
-        ss_net *net = NULL;
-        assert_int_equal(ss_net_open(&config, &calls, &net, &error), SOFTSIM_ERROR_ARGUMENT);
-        assert_null(net);
-        assert_non_null(strstr(error.text, cases[c].hint));
-        const ss_publisher_config publisher_config = {
-            .lcm_url = cases[c].url, .prefix = cases[c].prefix, .max_bytes_per_s = 1e6};
-        ss_publisher *publisher = NULL;
-        assert_int_equal(ss_publisher_open(&publisher_config, &mesh, &publisher, &error),
-                         SOFTSIM_ERROR_ARGUMENT);
-        assert_null(publisher);
+    softsim_error error = {.status = SOFTSIM_OK};
+    const ss_net_config config = {.lcm_url = url, .prefix = prefix};
+    ss_net *net = NULL;
+    assert_int_equal(ss_net_open(&config, &calls, &net, &error), SOFTSIM_ERROR_ARGUMENT);
+    assert_null(net);
+    assert_non_null(strstr(error.text, hint));
+    const ss_publisher_config publisher_config = {
+        .lcm_url = url, .prefix = prefix, .max_bytes_per_s = 1e6};
+    ss_publisher *publisher = NULL;
+    assert_int_equal(ss_publisher_open(&publisher_config, &mesh, &publisher, &error),
+                     SOFTSIM_ERROR_ARGUMENT);
+    assert_null(publisher);
+}
+
+TEST(bad_urls_are_refused_with_a_hint)
+{
+    static const char group[] = "udpm://239.255.76.67:7667";
+    static const says_row other[] = {
+        {"tcpq://127.0.0.1:7700", "udpm://"},
+        {"file:///tmp/x.lcmlog", "softsim-replay"},
+        {"nonsense", "udpm://"},
+    };
+    static const char *const no_group[] = {
+        "udpm://127.0.0.1:7667?ttl=0",
+        "udpm://239.255.76.67:0",
+        "udpm://239.255.76.67:70000",
+        "udpm://239.255.76.67:76x",
+        "udpm://group.example:7667",
+        "udpm://2399999999999999999999999999999999999999999999999999999999999999999999.1"};
+    static const char *const no_ttl[] = {"-1", "999999999999", "256", "1.5", ""};
+    char url[80];
+    for (size_t k = 0; k < sizeof other / sizeof *other; ++k) {
+        expect_bad_address(other[k].given, "T", other[k].says);
+    }
+    for (size_t k = 0; k < sizeof no_group / sizeof *no_group; ++k) {
+        expect_bad_address(no_group[k], "T", "multicast");
+    }
+    for (size_t k = 0; k < sizeof no_ttl / sizeof *no_ttl; ++k) {
+        (void)snprintf(url, sizeof url, "%s?ttl=%s", group, no_ttl[k]);
+        expect_bad_address(url, "T", "ttl is a whole number");
+    }
+    (void)snprintf(url, sizeof url, "%s?ttl=0&recv_buf_size=-5", group);
+    expect_bad_address(url, "T", "recv_buf_size is");
+    (void)snprintf(url, sizeof url, "%s?tll=0", group);
+    expect_bad_address(url, "T", "its options are");
+}
+
+TEST(bad_prefixes_are_refused_with_a_hint)
+{
+    static const char *const bad[] = {"",   NULL,  "A B",
+                                      "A*", "A/B", "12345678901234567890123456789012345678901"};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
+        expect_bad_address("memq://", bad[k], "prefix");
     }
 }
 

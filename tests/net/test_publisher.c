@@ -53,21 +53,21 @@ typedef struct sheet {
     int sent_size[MAX_SENT];
 } sheet;
 
-static void note_size(sheet *s, const lcm_recv_buf_t *message)
+static int note_size(sheet *s, const lcm_recv_buf_t *message)
 {
     assert_true(message->data_size <= SS_WIRE_MAX_MESSAGE);
     assert_true(s->sent_count < MAX_SENT);
     s->sent_ns[s->sent_count] = s->now_ns;
     s->sent_size[s->sent_count++] = (int)message->data_size;
+    return (int)message->data_size;
 }
 
 static void read_topology(const lcm_recv_buf_t *message, const char *channel, void *user)
 {
     (void)channel;
     sheet *s = user;
-    note_size(s, message);
     softsim_mesh_topology_t t;
-    const int size = (int)message->data_size;
+    const int size = note_size(s, message);
     assert_int_equal(softsim_mesh_topology_t_decode(message->data, 0, size, &t), size);
     assert_int_equal(t.node_count, NODES);
     assert_int_equal(t.triangle_count, TRIANGLES);
@@ -100,9 +100,8 @@ static void read_delta(const lcm_recv_buf_t *message, const char *channel, void 
 {
     (void)channel;
     sheet *s = user;
-    note_size(s, message);
     softsim_mesh_delta_t d;
-    const int size = (int)message->data_size;
+    const int size = note_size(s, message);
     assert_int_equal(softsim_mesh_delta_t_decode(message->data, 0, size, &d), size);
     assert_true(d.count > 0);
     assert_int_equal(d.displacement_count, 3 * d.count);
@@ -319,9 +318,8 @@ static void read_field(const lcm_recv_buf_t *message, const char *channel, void 
 {
     (void)channel;
     sheet *s = user;
-    note_size(s, message);
     softsim_mesh_field_t f;
-    const int size = (int)message->data_size;
+    const int size = note_size(s, message);
     assert_int_equal(softsim_mesh_field_t_decode(message->data, 0, size, &f), size);
     assert_string_equal(f.name, "pressure");
     assert_string_equal(f.unit, "Pa");

@@ -70,8 +70,13 @@ typedef struct heard {
     char channel[64];
 } heard;
 
-static void note(heard *h, const ss_packet *packet)
+static void note(heard *h, const ss_packet *packet, int *count, int *marks)
 {
+    if (packet->size == MARK) {
+        ++*marks;
+        return;
+    }
+    ++*count;
     h->digit = packet->digit;
     h->name = packet->name;
     h->size = packet->size;
@@ -82,23 +87,13 @@ static void note(heard *h, const ss_packet *packet)
 static void hear_pose(void *context, const ss_packet *packet)
 {
     heard *h = context;
-    if (packet->size == MARK) {
-        ++h->pose_marks;
-        return;
-    }
-    ++h->poses;
-    note(h, packet);
+    note(h, packet, &h->poses, &h->pose_marks);
 }
 
 static void hear_other(void *context, const ss_packet *packet)
 {
     heard *h = context;
-    if (packet->size == MARK) {
-        ++h->other_marks;
-        return;
-    }
-    ++h->others;
-    note(h, packet);
+    note(h, packet, &h->others, &h->other_marks);
 }
 
 static const ss_lane lanes[] = {{.suffix = {"_PROBE_#"},
@@ -375,15 +370,22 @@ TEST(a_flood_is_read_in_batches_whoever_else_speaks)
     close_receiver(&receiver);
 }
 
+/* One sender alone may say `per_s` messages a second on the second lane, but for `followed`. */
+static ss_receiver *open_strict(heard *h, int32_t per_s, const uint64_t *followed)
+{
+    ss_lane strict[2] = {lanes[0], lanes[1]};
+    strict[1].sender_per_s = per_s;
+    strict[1].followed = followed;
+    return open_lanes(h, NULL, "T", strict);
+}
+
 /* What one sender fills the buffer with leaves no room for others: beyond what one may say nothing
  * of it comes into the buffer, for a time. */
 TEST(a_sender_who_says_too_much_is_muted)
 {
     enum { MAY_SAY = 40, SAYS = 400, FLOOD = 20000 };
-    ss_lane strict[2] = {lanes[0], lanes[1]};
     heard h = {0};
-    strict[1].sender_per_s = MAY_SAY;
-    ss_receiver *receiver = open_lanes(&h, NULL, "T", strict);
+    ss_receiver *receiver = open_strict(&h, MAY_SAY, NULL);
     const int flooder = sender_open(0), other = sender_open(0);
     for (int i = 0; i < SAYS; ++i) {
         send_message(flooder, "T_STATUS", SIZE);
@@ -428,11 +430,9 @@ static void say_all(ss_receiver *receiver, heard *h, int from, int count, int ot
 TEST(many_who_say_too_much_are_muted_all)
 {
     enum { MAY_SAY = 4, GROUPS = 3, GROUP_SIZE = 16, SAYS = 30, FLOOD = 20000 };
-    ss_lane strict[2] = {lanes[0], lanes[1]};
     heard h;
     int flooder[GROUPS * GROUP_SIZE];
-    strict[1].sender_per_s = MAY_SAY;
-    ss_receiver *receiver = open_lanes(&h, NULL, "T", strict);
+    ss_receiver *receiver = open_strict(&h, MAY_SAY, NULL);
     const int other = sender_open(0);
     for (int i = 0; i < GROUPS * GROUP_SIZE; ++i) {
         flooder[i] = sender_open(0);
@@ -466,12 +466,9 @@ TEST(many_who_say_too_much_are_muted_all)
 TEST(the_sender_that_is_followed_is_never_muted)
 {
     enum { MAY_SAY = 4, SAYS = 100 };
-    ss_lane strict[2] = {lanes[0], lanes[1]};
     heard h;
     uint64_t followed = 0;
-    strict[1].sender_per_s = MAY_SAY;
-    strict[1].followed = &followed;
-    ss_receiver *receiver = open_lanes(&h, NULL, "T", strict);
+    ss_receiver *receiver = open_strict(&h, MAY_SAY, &followed);
     const int leader = sender_open(0), other = sender_open(0);
     say_all(receiver, &h, leader, 1, other);
     followed = h.source;
@@ -503,10 +500,8 @@ static void *talk(void *argument)
 TEST(a_wait_lets_the_muted_in_when_their_time_is_over)
 {
     enum { MAY_SAY = 4 };
-    ss_lane strict[2] = {lanes[0], lanes[1]};
     heard h;
-    strict[1].sender_per_s = MAY_SAY;
-    ss_receiver *receiver = open_lanes(&h, NULL, "T", strict);
+    ss_receiver *receiver = open_strict(&h, MAY_SAY, NULL);
     const int other = sender_open(0);
     talker t = {.fd = sender_open(0)};
     pthread_t thread;

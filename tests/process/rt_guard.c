@@ -142,22 +142,26 @@ COUNTED(17, FILE *, fopen, (const char *path, const char *mode), (path, mode))
 COUNTED(22, int, vfprintf, (FILE * file, const char *format, va_list arguments),
         (file, format, arguments))
 
+static int print(int which, FILE *file, const char *format, va_list arguments)
+{
+    count(which);
+    return vfprintf(file, format, arguments);
+}
+
 int fprintf(FILE *file, const char *format, ...)
 {
-    count(19);
     va_list arguments;
     va_start(arguments, format);
-    const int written = vfprintf(file, format, arguments);
+    const int written = print(19, file, format, arguments);
     va_end(arguments);
     return written;
 }
 
 int printf(const char *format, ...)
 {
-    count(18);
     va_list arguments;
     va_start(arguments, format);
-    const int written = vfprintf(stdout, format, arguments);
+    const int written = print(18, stdout, format, arguments);
     va_end(arguments);
     return written;
 }

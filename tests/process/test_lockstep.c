@@ -52,11 +52,11 @@ static void last_word(const char *text, char out[32])
     }
 }
 
-/* Starts the daemon `argv` and plays the probe log to it until it ends by itself. */
-static void serve_poke(const char *const *argv)
+/* Starts the daemon `argv` and plays the probe's `log` to it until it ends by itself. */
+static void serve_log(const char *const *argv, const char *log)
 {
     start(argv);
-    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", NULL};
+    const char *const replay[] = {"softsim-replay", log, "--lockstep", NULL};
     process_start(&client, replay, NULL);
     assert_int_equal(process_finish(&server), 0);
     process_signal(&client, SIGKILL);
@@ -78,7 +78,7 @@ TEST_WITH(duration_ends_on_its_tick, NULL, tear_down)
         const char *const argv[] = {"softsimd",    KIDNEY,       "--set",
                                     kidney_mesh(), "--lockstep", "--duration",
                                     durations[i],  "--hash",     NULL};
-        serve_poke(argv);
+        serve_log(argv, POKE);
         last_word(server.out, got);
         assert_int_equal(strlen(got), 16);
         assert_string_equal(got, wanted);
@@ -129,7 +129,7 @@ TEST_WITH(chainmail_is_felt_in_lockstep, NULL, tear_down)
     print_message("chainmail: %.3f N at most\n", largest);
     const char *const argv[] = {"softsimd", scene,    "--lockstep", "--duration",
                                 duration,   "--hash", NULL};
-    serve_poke(argv);
+    serve_log(argv, POKE);
     unlink(scene);
     unlink(csv);
     last_word(server.out, got);
@@ -169,7 +169,7 @@ TEST_WITH(a_budget_that_would_bind_changes_nothing, NULL, tear_down)
         "softsimd",   KIDNEY,     "--set",  kidney_mesh(), "--lockstep",
         "--duration", duration,   "--hash", "--set",       "model.area_density_kg_m2=1e-3",
         "--set",      budgets[0], NULL};
-    serve_poke(argv);
+    serve_log(argv, POKE);
     last_word(server.out, got);
     assert_string_equal(got, wanted);
 }
@@ -195,12 +195,7 @@ TEST_WITH(what_has_slept_hashes_the_same_in_lockstep, NULL, tear_down)
     last_word(client.out, wanted);
     const char *const argv[] = {"softsimd",   KIDNEY, "--set",  kidney_mesh(), "--lockstep",
                                 "--duration", "2.2",  "--hash", NULL};
-    start(argv);
-    const char *const replay[] = {"softsim-replay", log, "--lockstep", NULL};
-    process_start(&client, replay, NULL);
-    assert_int_equal(process_finish(&server), 0);
-    process_signal(&client, SIGKILL);
-    process_finish(&client);
+    serve_log(argv, log);
     unlink(log);
     last_word(server.out, got);
     assert_int_equal(strlen(got), 16);

@@ -138,3 +138,60 @@ static const char *replace_line(int line, const char *with)
     }
     return text;
 }
+
+static inline ss_scene *load_good(const char *text, const char *const *overrides, int count)
+{
+    ss_scene *scene = load_with(text, overrides, count);
+    if (scene == NULL) {
+        fail_msg("refused:\n%s\n%s", text, error.text);
+    }
+    return scene;
+}
+
+static const char full[] =
+    "softsim: 1\n"
+    "object:\n"
+    "  mesh: cube.msh\n"
+    "  units: mm\n"
+    "  transform: {scale: 2, rotate_deg: [0, 0, 90], translate_m: [0.1, 0, 0]}\n"
+    "  fixed:\n"
+    "    - {box_m: [[-1, -1, -1], [1, 1, 0]]}\n"
+    "    - {nodes: seven.txt, axes: xz}\n"
+    "model:\n"
+    "  name: jelly\n"
+    "  modulus_j: 5\n"
+    "  rho: [{where: {group: top}, value: 2}, {value: 0.5}]\n"
+    "  per_area: false\n"
+    "  solver: relaxation\n"
+    "contact:\n"
+    "  tools:\n"
+    "    - {probe: 0, shape: {sphere: {radius_mm: 5}}}\n"
+    "    - {probe: 3, shape: {capsule: {radius_mm: 2, length_mm: 30}}}\n"
+    "    - {probe: 4, shape: {box: {size_mm: [2, 4, 6]}}}\n"
+    "    - {probe: 5, shape: {cylinder: {radius_mm: 3, length_mm: 8}}}\n"
+    "    - {probe: 6, shape: {cone: {radius_mm: 4, length_mm: 10}}}\n"
+    "  working_force_n: 1.5\n"
+    "  grasp_max_force_n: 2.5\n"
+    "simulation: {rate_hz: 250, max_substeps: 16}\n"
+    "gravity_m_s2: [0, 0, -9.81]\n"
+    "haptic: {between_steps: hold, rate_hz: 2000, max_force_n: 4, max_slew_n_per_s: 900,\n"
+    "  max_jump_m: 0.1, coupling: {stiffness_n_per_m: 500, damping_n_s_per_m: 1}}\n"
+    "publish: {mesh_rate_hz: 0, max_bytes_per_s: 1e6}\n"
+    "loads:\n"
+    "  - {nodes: [4, 5], force_n: [0.1, -0.8, 0.05], from_s: 1, to_s: 10, ramp_s: 2}\n"
+    "  - {group: top, pressure_pa: 1000}\n"
+    "prescribed:\n"
+    "  - {nodes: [5], displacement_m: [0, 0, 0.001], ramp_s: 0.5, axes: z}\n";
+
+#define GRID(grid) "softsim: 1\nobject:\n" grid "model: {name: jelly, modulus_j: 1}\n"
+
+/* Writes a direction for each of `count` elements, the last first. */
+static inline void write_directions(const char *name, int count)
+{
+    FILE *stream = open_file(name);
+    fprintf(stream, "element,x,y,z\n");
+    for (int e = count - 1; e >= 0; e--) {
+        fprintf(stream, "%d,%d,0,2\n", e, e);
+    }
+    fclose(stream);
+}

@@ -261,24 +261,33 @@ TEST(a_reader_who_stalls_holds_up_no_run)
     assert_string_equal(out + 16, "\n1201\n");
 }
 
+/* The run that the command breaks off, told in `out`, left NAME.csv and NAME.txt under their
+ * partial names: ticks 1, 2, 3 ..., at least `least` rows, each with all its columns, and the last
+ * with its end. */
+static void expect_rows_left(const char *broken_off, const char *name, int least, char out[4096])
+{
+    char command[512];
+    write_inputs();
+    assert_int_equal(run(broken_off, out, 4096), 1);
+    (void)snprintf(command, sizeof command, "%s.txt.part", name);
+    assert_non_null(strstr(out, command));
+    (void)snprintf(command, sizeof command,
+                   "test ! -e %s.csv && test ! -e %s.txt && "
+                   "awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
+                   "END {exit bad || NR < %d}' %s.csv.part && "
+                   "test -z \"$(tail -c 1 %s.csv.part)\"",
+                   name, name, least, name, name);
+    char nothing[64];
+    assert_int_equal(run(command, nothing, sizeof nothing), 0);
+}
+
 TEST(a_full_disk_leaves_the_rows_of_a_run)
 {
     char out[4096];
-    write_inputs();
-    assert_int_equal(run("{ ulimit -f 700 && timeout 900 " BIN_DIR
-                         "/softsim-run --duration 1000000 "
-                         "--csv full.csv --reactions full.txt scene.yaml; }",
-                         out, sizeof out),
-                     1);
+    expect_rows_left("{ ulimit -f 700 && timeout 900 " BIN_DIR "/softsim-run --duration 1000000 "
+                     "--csv full.csv --reactions full.txt scene.yaml; }",
+                     "full", 1000, out);
     assert_non_null(strstr(out, "what was recorded before is in full.csv.part"));
-    assert_non_null(strstr(out, "full.txt.part"));
-    assert_int_equal(run("test ! -e full.csv && test ! -e full.txt", out, sizeof out), 0);
-    /* Ticks 1, 2, 3 ..., each with all its columns, and the last with its end. */
-    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
-                         "END {exit bad || NR < 1000}' full.csv.part && "
-                         "test -z \"$(tail -c 1 full.csv.part)\"",
-                         out, sizeof out),
-                     0);
 }
 
 /* A result is written in pieces: the first that finds no room says why, whichever it is. */
@@ -317,22 +326,13 @@ TEST(a_full_disk_is_named_by_each_result)
 TEST(a_stopped_run_leaves_its_rows)
 {
     char out[4096];
-    write_inputs();
-    assert_int_equal(run("{ " BIN_DIR "/softsim-run --duration 1000000 --csv cut.csv "
-                         "--reactions cut.txt scene.yaml & pid=$!; "
-                         "while ! test -s cut.csv.part && kill -0 $pid; do sleep 0.05; done; "
-                         "kill -TERM $pid; wait $pid; }",
-                         out, sizeof out),
-                     1);
+    expect_rows_left("{ " BIN_DIR "/softsim-run --duration 1000000 --csv cut.csv "
+                     "--reactions cut.txt scene.yaml & pid=$!; "
+                     "while ! test -s cut.csv.part && kill -0 $pid; do sleep 0.05; done; "
+                     "kill -TERM $pid; wait $pid; }",
+                     "cut", 10, out);
     assert_non_null(strstr(out, ", before its end"));
     assert_non_null(strstr(out, "cut.csv: not complete; what was recorded is in cut.csv.part"));
-    assert_non_null(strstr(out, "cut.txt.part"));
-    assert_int_equal(run("test ! -e cut.csv && test ! -e cut.txt", out, sizeof out), 0);
-    assert_int_equal(run("awk -F, 'NF != 10 || (NR > 1 && $1 != NR - 1) {bad = 1} "
-                         "END {exit bad || NR < 10}' cut.csv.part && "
-                         "test -z \"$(tail -c 1 cut.csv.part)\"",
-                         out, sizeof out),
-                     0);
 }
 
 int main(void)

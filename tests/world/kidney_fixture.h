@@ -13,9 +13,7 @@
 #include <string.h>
 
 #include "common/kidney.h"
-#include "softsim/softsim.h"
-
-static softsim_error error;
+#include "world_fixture.h"
 
 static softsim_world *make_world(int32_t threads, const char *const *set, int32_t set_count)
 {
@@ -24,13 +22,7 @@ static softsim_world *make_world(int32_t threads, const char *const *set, int32_
     config.threads = threads;
     config.set_count = kidney_sets(set, set_count, all);
     config.set = all;
-    config.import_program = BIN_DIR "/softsim-import";
-    memset(&error, 0, sizeof error);
-    softsim_world *world = softsim_create(KIDNEY, &config, &error);
-    if (!world) {
-        fail_msg("%s", error.text);
-    }
-    return world;
+    return make_world_with(KIDNEY, config);
 }
 
 static double smooth(double u)

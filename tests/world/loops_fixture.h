@@ -2,6 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /* Commands to a world, and its two loops as with a clock between them. cmocka comes first. */
+#include <stdio.h>
+
 #include "world/world.h"
 
 /* Who hears of a command first. */
@@ -13,6 +15,16 @@ static inline void command(ss_world *world, const char *name)
     ss_command_record record;
     char text[256];
     assert_int_equal(ss_world_command(world, name, "", &record, text, sizeof text), 0);
+}
+
+static inline void set_limit(ss_world *world, double limit_n)
+{
+    char argument[64], text[256];
+    ss_command_record record;
+    (void)snprintf(argument, sizeof argument, "haptic.max_force_n=%.17g", limit_n);
+    if (ss_world_command(world, "set", argument, &record, text, sizeof text) != 0) {
+        fail_msg("%s", text);
+    }
 }
 
 static inline void begin_step(ss_world *world)

@@ -9,7 +9,7 @@
 
 #include "common/folder_fixture.h"
 #include "common/kidney.h"
-#include "softsim/softsim.h"
+#include "world_fixture.h"
 
 /* ---- bodies ---- */
 
@@ -152,22 +152,7 @@ static inline const char *write_block(const body *b)
     return write_text(b->name, text);
 }
 
-/* The world of a scene with `count` more values, as --set takes them. */
-static inline softsim_world *open_scene(const char *path, const char *const *set, int32_t count)
-{
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.set = set;
-    config.set_count = count;
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(path, &config, &error);
-    if (world == NULL) {
-        fail_msg("%s", error.text);
-    }
-    return world;
-}
-
-/* The same of a body's bundled scene, or of the block. */
+/* The world of a body's bundled scene, or of the block; values as --set takes them. */
 static inline softsim_world *open_body(const body *b, const char *const *set, int32_t count)
 {
     char path[512];

@@ -8,6 +8,7 @@
 #include "common/kidney.h"
 #include "common/pose_fixture.h"
 #include "world/world.h"
+#include "world_fixture.h"
 
 /* Of a 5 mm sphere over (5, 3) mm: where it is 5 mm deep, and above the surface. */
 static const double pressed_z = 0.0175, free_z = 0.035;
@@ -16,18 +17,11 @@ static const double limit_n = 8.0, body_m = 0.11, tool_m = 0.006; /* kidney.yaml
 
 static inline ss_world *make_scene(const char *scene, const char *const *set, int32_t set_count)
 {
-    static softsim_error error;
     softsim_config config = softsim_default_config();
-    memset(&error, 0, sizeof error);
     config.has_budget = true; /* as in real time */
     config.set = set;
     config.set_count = set_count;
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(scene, &config, &error);
-    if (world == NULL) {
-        fail_msg("%s", error.text);
-    }
-    return ss_world_of(world);
+    return ss_world_of(make_world_with(scene, config));
 }
 
 static inline ss_world *make_kidney(const char *const *set, int32_t set_count)

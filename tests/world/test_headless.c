@@ -225,9 +225,7 @@ TEST(a_run_without_a_clock_has_no_budget)
         config.set_count = kidney_sets(set[run], 3, all);
         config.set = all;
         config.has_budget = run == 2;
-        config.import_program = BIN_DIR "/softsim-import";
-        softsim_world *world = softsim_create(KIDNEY, &config, &error);
-        assert_non_null(world);
+        softsim_world *world = make_world_with(KIDNEY, config);
         for (int32_t k = 0; k < ticks; ++k) {
             softsim_force force[SOFTSIM_MAX_PROBES];
             const softsim_pose pose =
@@ -251,7 +249,7 @@ TEST(a_run_without_a_clock_has_no_budget)
 TEST(a_configuration_without_its_cookie_is_refused)
 {
     const softsim_config config = {0};
-    memset(&error, 0, sizeof error);
+    softsim_error error = {0};
     assert_null(softsim_create(KIDNEY, &config, &error));
     assert_int_equal(error.status, SOFTSIM_ERROR_ARGUMENT);
 }

@@ -10,8 +10,6 @@
 static softsim_world *make_box(double rate_hz)
 {
     char text[1024];
-    softsim_error error = {0};
-    const softsim_config config = softsim_default_config();
     (void)snprintf(text, sizeof text,
                    "softsim: 1\n"
                    "object: {mesh: block.msh, units: mm,\n"
@@ -22,11 +20,7 @@ static softsim_world *make_box(double rate_hz)
                    "haptic: {max_force_n: 5}\n"
                    "simulation: {rate_hz: %g}\n",
                    rate_hz);
-    softsim_world *world = softsim_create(write_text("box.yaml", text), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s", error.text);
-    }
-    return world;
+    return open_scene(write_text("box.yaml", text), NULL, 0);
 }
 
 typedef struct held {

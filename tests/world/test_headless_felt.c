@@ -61,8 +61,6 @@ enum { PLACES = sizeof places / sizeof *places };
 static softsim_world *make_place(const place *p)
 {
     char text[2048];
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
     (void)snprintf(text, sizeof text,
                    "softsim: 1\n"
                    "object:\n  mesh: " SOURCE_DIR "/server/scenes/%s\n  units: mm\n"
@@ -71,12 +69,7 @@ static softsim_world *make_place(const place *p)
                    "contact:\n  tools: [{probe: 0, shape: {%s}}]\n  working_force_n: 2\n"
                    "haptic: {max_force_n: 8, coupling: {stiffness_n_per_m: 800}}\n",
                    p->mesh, p->held[0], p->held[1], p->held[2], p->held[3], p->model, p->shape);
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(write_text("place.yaml", text), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", p->name, error.text);
-    }
-    return world;
+    return open_scene(write_text("place.yaml", text), NULL, 0);
 }
 
 /* Force and torque that a set hands over, about `origin`. */

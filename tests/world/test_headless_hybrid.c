@@ -7,23 +7,12 @@
 #include <string.h>
 
 #include "common/effort.h"
-#include "softsim/softsim.h"
+#include "world_fixture.h"
 
 static softsim_world *make_ventricle(const char *between_steps)
 {
     const char *const set[] = {between_steps};
-    softsim_config config = softsim_default_config();
-    softsim_error error;
-    config.set = set;
-    config.set_count = 1;
-    config.import_program = BIN_DIR "/softsim-import";
-    memset(&error, 0, sizeof error);
-    softsim_world *world =
-        softsim_create(SOURCE_DIR "/server/scenes/hm1-tissue.yaml", &config, &error);
-    if (world == NULL) {
-        fail_msg("%s", error.text);
-    }
-    return world;
+    return open_scene(SOURCE_DIR "/server/scenes/hm1-tissue.yaml", set, 1);
 }
 
 /* One tick with the tool at x, y; the force's magnitude, N. */

@@ -37,29 +37,26 @@ enum { PRESSES = sizeof presses / sizeof *presses };
 /* N/m^3: a fortieth of what those contacts choose for themselves. */
 #define TOO_SOFT "  stiffness_n_per_m3: 1.0e+6\n"
 
-static softsim_world *start_world(const char *name, const char *text)
-{
-    const softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    softsim_world *world = softsim_create(write_text("scene.yaml", text), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", name, error.text);
-    }
-    return world;
-}
-
-static softsim_world *make_press(const press *one, const char *contact)
+/* The block with a ball of 8 mm; `rest` continues the contact's lines. */
+static softsim_world *make_block(const char *fixed, const char *model, const char *contact,
+                                 const char *rest)
 {
     char text[1024];
     (void)snprintf(text, sizeof text,
                    "softsim: 1\n"
-                   "object:\n  mesh: block.msh\n  units: mm\n"
-                   "  fixed: [{box_m: [[-1, -1, -1], [1, 1, %g]]}]\n"
+                   "object:\n  mesh: block.msh\n  units: mm\n%s"
                    "model:\n%s"
-                   "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]\n%s"
-                   "haptic: {max_force_n: 5}\n",
-                   one->held, one->model, contact);
-    return start_world(one->name, text);
+                   "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]\n%s%s",
+                   fixed, model, contact, rest);
+    return open_scene(write_text("scene.yaml", text), NULL, 0);
+}
+
+static softsim_world *make_press(const press *one, const char *contact)
+{
+    char fixed[80];
+    (void)snprintf(fixed, sizeof fixed, "  fixed: [{box_m: [[-1, -1, -1], [1, 1, %g]]}]\n",
+                   one->held);
+    return make_block(fixed, one->model, contact, "haptic: {max_force_n: 5}\n");
 }
 
 /* How often the deformed surface, its nodes at `x`, winds about a point: 1 inside, 0 outside. Solid
@@ -227,18 +224,6 @@ static const fall falls[] = {
     {"chainmail", "  name: chainmail\n", DRIVEN},
 };
 
-static softsim_world *make_fall(const fall *one, const char *contact)
-{
-    char text[1024];
-    (void)snprintf(text, sizeof text,
-                   "softsim: 1\n"
-                   "object: {mesh: block.msh, units: mm}\n"
-                   "model:\n%s"
-                   "contact:\n  tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]\n%s%s",
-                   one->model, contact, one->drive);
-    return start_world(one->name, text);
-}
-
 typedef struct meeting {
     double impulse; /* N s, upwards */
     int inside;     /* ticks that the tool's middle had been in the tissue for 20 ms */
@@ -252,7 +237,7 @@ static meeting meet(const fall *one, const char *contact, double sway)
     static const double size[3] = {40.0, 40.0, 20.0};
     meeting out = {0};
     write_box_mesh(cells, size);
-    softsim_world *world = make_fall(one, contact);
+    softsim_world *world = make_block("", one->model, contact, one->drive);
     int inside = 0;
     for (int n = 0; n < 300; ++n) {
         const double x[3] = {0.001 + sway * sin(0.05 * n), 0.002, 0.05};

@@ -13,6 +13,7 @@
 #include "bench/latency/session_metrics.h"
 #include "common/effort.h"
 #include "devices/sim.h"
+#include "loops_fixture.h"
 #include "oracles/limit_judge.h"
 #include "press_fixture.h"
 #include "rt/random.h"
@@ -118,16 +119,6 @@ TEST(a_slow_press_stays_at_the_limit)
 
 /* ---- a limit that changes ---- */
 
-static void set_limit(softsim_world *world, double limit)
-{
-    char argument[64], text[256];
-    ss_command_record record;
-    (void)snprintf(argument, sizeof argument, "haptic.max_force_n=%g", limit);
-    if (ss_world_command((ss_world *)world, "set", argument, &record, text, sizeof text) != 0) {
-        fail_msg("%s", text);
-    }
-}
-
 /* Pressed 20 mm deep: a lowered limit is reached by the slew, a raised one within .3 s; the tissue
  * is never pressed much harder than by the greater of the two. */
 TEST(a_changed_limit_flings_nothing)
@@ -144,7 +135,7 @@ TEST(a_changed_limit_flings_nothing)
             x[a] = b->touch[a] + ((b->depth + 0.004) * smooth(n / 500.0) - 0.004) * b->in[a];
         }
         if (at >= 0 && (n - 600) % 350 == 0) {
-            set_limit(world, limit[at]);
+            set_limit(ss_world_of(world), limit[at]);
             before = last;
             most = 0.0;
         }
@@ -180,10 +171,10 @@ TEST(a_limit_that_came_and_went_leaves_nothing)
         }
         if (n == 1200) {
             before = force;
-            set_limit(world, 0.5);
+            set_limit(ss_world_of(world), 0.5);
         } else if (n == 2000) {
             assert_true(fabs(limit_norm(force.force) - 0.5) <= 1e-4);
-            set_limit(world, 8.0);
+            set_limit(ss_world_of(world), 8.0);
         }
         const softsim_pose pose = pose_of(n + 1, x);
         force = feel(world, &pose);
@@ -209,7 +200,7 @@ TEST(a_limit_raised_out_of_reach_does_not_overshoot)
         }
         softsim_world *world = make_world(b, 8.0);
         double most = 0.0, size = 0.0;
-        set_limit(world, 0.3);
+        set_limit(ss_world_of(world), 0.3);
         for (int n = 0; n < 1800; ++n) {
             double x[3];
             for (int a = 0; a < 3; ++a) {
@@ -218,7 +209,7 @@ TEST(a_limit_raised_out_of_reach_does_not_overshoot)
             }
             if (n == 800) {
                 assert_true(fabs(size - 0.3) <= 1e-4);
-                set_limit(world, 8.0);
+                set_limit(ss_world_of(world), 8.0);
             }
             const softsim_pose pose = pose_of(n + 1, x);
             const softsim_force force = feel(world, &pose);
@@ -234,13 +225,6 @@ TEST(a_limit_raised_out_of_reach_does_not_overshoot)
 
 /* ---- pause and resume ---- */
 
-static void command(softsim_world *world, const char *name)
-{
-    ss_command_record record;
-    char text[256];
-    assert_int_equal(ss_world_command((ss_world *)world, name, "", &record, text, sizeof text), 0);
-}
-
 /* Pressed, and paused, resumed and reset at any moment: a ramp takes a twentieth of the force a
  * tick, and nothing makes it grow by more than a few hundredths of a newton. */
 TEST(pauses_and_resets_do_not_step)
@@ -254,7 +238,7 @@ TEST(pauses_and_resets_do_not_step)
     for (int n = 0; n < 3000; ++n) {
         if (n > 800 && ss_random_below(&random, 100) == 0) {
             const bool is_reset = ss_random_below(&random, 3) == 0;
-            command(world, is_reset ? "reset" : is_paused ? "resume" : "pause");
+            command(ss_world_of(world), is_reset ? "reset" : is_paused ? "resume" : "pause");
             is_paused = is_reset ? is_paused : !is_paused;
         }
         double x[3], change[3];
@@ -422,13 +406,13 @@ static void move_hand(const body *b, double limit, int hand, int raise, int tick
     double axis[3][3];
     softsim_force force = {.seq = -1};
     axes_of(b, axis);
-    set_limit(world, limit);
+    set_limit(ss_world_of(world), limit);
     assert_int_equal(ss_sim_create(&config, &device, NULL), SOFTSIM_OK);
     for (int n = 0; n < ticks; ++n) {
         ss_device_sample sample;
         double x[3], exerted[3] = {0.0, 0.0, 0.0};
         if (n == raise) {
-            set_limit(world, RAISED);
+            set_limit(ss_world_of(world), RAISED);
         }
         assert_true(device.read(device.state, &sample));
         row[n] =

@@ -234,13 +234,7 @@ static escape pull_out(const char *scene, int stay)
 {
     char path[512];
     (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s.yaml", scene);
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(path, &config, &error);
-    if (world == NULL) {
-        fail_msg("%s: %s", scene, error.text);
-    }
+    softsim_world *world = open_scene(path, NULL, 0);
     double touch[3], in[3];
     escape out = {.most = 0.0};
     find_touch(ss_world_of(world), touch, in);
@@ -317,14 +311,8 @@ static softsim_world *make_hollow(double radius_mm)
                    "  density_kg_m3: 1060\n  mass_damping_per_s: 30\n"
                    "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: %g}}}]}\n",
                    radius_mm);
-    const softsim_config config = softsim_default_config();
-    softsim_error error = {0};
     write_hollow_mesh(cells, size, 4);
-    softsim_world *world = softsim_create(write_text("hollow.yaml", text), &config, &error);
-    if (world == NULL) {
-        fail_msg("%s", error.text);
-    }
-    return world;
+    return open_scene(write_text("hollow.yaml", text), NULL, 0);
 }
 
 /* A ball that stands still in the middle of the hollow. */
@@ -401,10 +389,8 @@ static void come_where_tissue_was(bool has_touched, bool is_reset, double *out_o
     static const int cells[3] = {8, 8, 4};
     static const double size[3] = {60.0, 60.0, 30.0};
     static const double high = 0.060, low = 0.030 - 0.012 + 0.008;
-    const softsim_config config = softsim_default_config();
-    softsim_error error = {0};
     write_box_mesh(cells, size);
-    softsim_world *world = softsim_create(
+    softsim_world *world = open_scene(
         write_text("lowered.yaml",
                    "softsim: 1\n"
                    "object:\n  mesh: block.msh\n  units: mm\n"
@@ -415,10 +401,7 @@ static void come_where_tissue_was(bool has_touched, bool is_reset, double *out_o
                    "prescribed:\n"
                    "  - {box_m: [[-1, -1, 0.0299], [1, 1, 1]], displacement_m: [0, 0, -0.012], "
                    "ramp_s: 0.2}\n"),
-        &config, &error);
-    if (world == NULL) {
-        fail_msg("%s", error.text);
-    }
+        NULL, 0);
     softsim_force force[SOFTSIM_MAX_PROBES];
     double most = 0.0;
     int32_t seq = 0;

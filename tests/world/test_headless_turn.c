@@ -18,16 +18,8 @@ static softsim_world *make_lying(const char *rate)
         "contact.tools=[{probe: 0, shape: {capsule: {radius_mm: 4, length_mm: 24}}}]";
     const char *const own[] = {rate, capsule};
     const char *all[KIDNEY_SETS];
-    softsim_config config = softsim_default_config();
-    softsim_error error = {0};
-    config.set_count = kidney_sets(own, 2, all);
-    config.set = all;
-    config.import_program = BIN_DIR "/softsim-import";
-    softsim_world *world = softsim_create(KIDNEY, &config, &error);
-    if (world == NULL) {
-        fail_msg("%s", error.text);
-    }
-    return world;
+    const int32_t count = kidney_sets(own, 2, all);
+    return open_scene(KIDNEY, all, count);
 }
 
 /* Its axis along x, then turned by `turn` (rad) in the world. */

@@ -9,6 +9,7 @@
 #include "common/test.h"
 
 #include "common/effort.h"
+#include "loops_fixture.h"
 #include "oracles/way_judge.h"
 #include "press_fixture.h"
 #include "rt/random.h"
@@ -154,16 +155,6 @@ static softsim_world *make(const way *w)
     return open_scene(path, set, count);
 }
 
-static void set_limit(softsim_world *world, double limit)
-{
-    char argument[64], text[256];
-    ss_command_record record;
-    (void)snprintf(argument, sizeof argument, "haptic.max_force_n=%.17g", limit);
-    if (ss_world_command((ss_world *)world, "set", argument, &record, text, sizeof text) != 0) {
-        fail_msg("%s", text);
-    }
-}
-
 static void go(const way *w, bool is_open, way_tick out[TICKS])
 {
     softsim_world *world = make(w);
@@ -173,7 +164,7 @@ static void go(const way *w, bool is_open, way_tick out[TICKS])
         way_tick *tick = &out[n];
         softsim_pose pose = pose_on(w, n, &tick->depth, &tick->limit);
         if (!is_open && (n == 0 || fabs(tick->limit - tick[-1].limit) > 0.0)) {
-            set_limit(world, tick->limit);
+            set_limit(ss_world_of(world), tick->limit);
         }
         pose.force_seq = force.seq;
         force = feel(world, &pose);

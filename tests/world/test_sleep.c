@@ -197,14 +197,11 @@ TEST_WITH(the_hash_is_the_same_for_any_number_of_threads, make_folder_with_block
     uint64_t hash[2] = {0, 0};
     for (int k = 0; k < 2; ++k) {
         softsim_config config = softsim_default_config();
-        softsim_error error = {0};
         config.threads = k == 0 ? 1 : 3;
-        config.import_program = BIN_DIR "/softsim-import";
         const body *b = &bodies[0];
         char path[512];
         (void)snprintf(path, sizeof path, SOURCE_DIR "/server/scenes/%s", b->scene);
-        softsim_world *world = softsim_create(path, &config, &error);
-        assert_non_null(world);
+        softsim_world *world = make_world_with(path, config);
         for (int n = 1; n <= 4000; ++n) {
             double x[3];
             const double in = n < 2200 ? FAR_OUT : FAR_OUT + 0.055 * smooth((n - 2200) / 400.0);

@@ -16,6 +16,7 @@
 #include "rt/vec.h"
 #include "softsim/softsim.h"
 #include "world/world.h"
+#include "world_fixture.h"
 
 #define SCENES SOURCE_DIR "/server/scenes/"
 
@@ -376,11 +377,7 @@ TEST(a_world_leaves_the_callers_arithmetic_alone)
             ss_thread_flush_denormals();
         }
         const bool are_kept = are_denormals_kept();
-        softsim_config config = softsim_default_config();
-        config.import_program = BIN_DIR "/softsim-import";
-        softsim_error error = {.status = SOFTSIM_OK};
-        softsim_world *world = softsim_create(SCENES "cylinder.yaml", &config, &error);
-        assert_non_null(world);
+        softsim_world *world = open_scene(SCENES "cylinder.yaml", NULL, 0);
         assert_true(are_denormals_kept() == are_kept);
         softsim_force force[SOFTSIM_MAX_PROBES];
         for (int i = 0; i < 50; ++i) {

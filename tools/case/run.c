@@ -13,6 +13,7 @@
 #include "process.h"
 #include "rt/clock.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 
@@ -117,12 +118,6 @@ static void keep_reason(const softsim_error *refusal, char out[320])
     ss_plain_reason("refused: ", refusal->text, out, 320);
 }
 
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
-}
-
 /* A world may have nodes of its own behind the body's (a layer's); those of the body must be where
  * they were written. Closes it when they are not. */
 static softsim_status check_nodes(const ss_static_plan *plan, softsim_world **world,
@@ -135,7 +130,7 @@ static softsim_status check_nodes(const ss_static_plan *plan, softsim_world **wo
     double(*position)[3] = calloc((size_t)state.node_count + 1, sizeof *position);
     if (position == NULL) {
         softsim_destroy(world);
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     softsim_read_nodes(*world, position, NULL, NULL);
     bool is_same = state.node_count >= mesh->node_count;
@@ -323,7 +318,7 @@ static softsim_status run_to_rest(settling *s, softsim_state *state, bool *out_i
         look_at(s, time > calm_from);
         *out_is_sane = is_sane(s) && state->verdict != SOFTSIM_VERDICT_FAULT;
         if (!keep_look(s)) {
-            return no_memory(error);
+            return ss_memory_fault(error);
         }
     }
     return SOFTSIM_OK;
@@ -384,7 +379,7 @@ static softsim_status begin_settling(settling *s, int32_t nodes, softsim_error *
     return s->u != NULL && s->before != NULL &&
                    ss_samples_init(&s->step_us, (int64_t)fmin(longest, 4e6))
                ? SOFTSIM_OK
-               : no_memory(error);
+               : ss_memory_fault(error);
 }
 
 softsim_status ss_static_execute(const ss_static_plan *plan, ss_static_run *out,
@@ -396,7 +391,7 @@ softsim_status ss_static_execute(const ss_static_plan *plan, ss_static_run *out,
     ss_scale3(gravity, plan->c->gravity, plan->level);
     settling *s = calloc(1, sizeof *s);
     if (s == NULL) {
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     s->plan = plan;
     softsim_status status = open_world(plan, plan->level, gravity, ramp_phase / plan->omega,
@@ -497,7 +492,7 @@ static softsim_status begin_pilot(pilot *p, const ss_case_body *body, int32_t no
     p->moment = calloc(n, sizeof *p->moment);
     p->is_driven = calloc(n, 1);
     if (!p->u || !p->integral || !p->sum || !p->moment || !p->is_driven) {
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     for (int32_t i = 0; i < body->pushed_count; ++i) {
         p->is_driven[body->pushed[i]] = 1;
@@ -541,7 +536,7 @@ softsim_status ss_static_swing(const ss_static_plan *plan, const double gravity[
         open_world(plan, plan->level, gravity, 0.0, &world, &nodes, out_verdict, error);
     if (status == SOFTSIM_OK && world != NULL) {
         u = calloc((size_t)nodes, sizeof *u);
-        status = u != NULL ? SOFTSIM_OK : no_memory(error);
+        status = u != NULL ? SOFTSIM_OK : ss_memory_fault(error);
     }
     while (status == SOFTSIM_OK && world != NULL && *out_count < count) {
         tick(world);

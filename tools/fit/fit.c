@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/memory.h"
 #include "rt/printer.h"
 
 enum { MAX_SETS = 128 };
@@ -115,8 +116,7 @@ static softsim_status check_start(ss_fit *fit, softsim_error *error)
         points += fit->curve[c].count;
         fit->force[c] = calloc((size_t)fit->curve[c].count, sizeof *fit->force[c]);
         if (!fit->force[c]) {
-            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-            return SOFTSIM_ERROR_MEMORY;
+            return ss_memory_fault(error);
         }
     }
     if (points < fit->parameter_count) {

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/memory.h"
 #include "rt/vec.h"
 #include "world/world.h"
 
@@ -14,12 +15,6 @@ static const double longest_cpu_s = 60.0; /* of one level */
 static const double ramp_phase = 3.14159265358979;
 
 /* ---- the scene's model ---- */
-
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
-}
 
 static void copy_line(void *sink, const char *text)
 {
@@ -49,7 +44,7 @@ static softsim_status read_scene(const ss_press_scene *from, ss_fit_levels *out,
     *out_on_surface = world->scene->mesh->tetrahedron_count == 0;
     ss_lockstep_stop(world);
     ss_world_destroy(&world);
-    return out->model ? SOFTSIM_OK : no_memory(error);
+    return out->model ? SOFTSIM_OK : ss_memory_fault(error);
 }
 
 /* The model's lines with other values; to be freed. A parameter that is not among them is added. */
@@ -170,7 +165,7 @@ softsim_status ss_fit_levels_open(const char *folder, const char *material, cons
     out->residual_count = out->level_count * (3 * out->body.mesh->node_count + 1);
     out->residual = calloc((size_t)out->residual_count, sizeof *out->residual);
     if (!out->residual) {
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     return ss_static_prepare(&out->body, out->folder, error);
 }
@@ -221,7 +216,7 @@ softsim_status ss_fit_levels_measure(ss_fit_levels *levels, int32_t count,
                                      softsim_error *error)
 {
     char *model = with_values(levels, count, parameter, value);
-    softsim_status status = model ? SOFTSIM_OK : no_memory(error);
+    softsim_status status = model ? SOFTSIM_OK : ss_memory_fault(error);
     double field = 0.0, force = 0.0;
     for (int32_t k = 0; k < levels->level_count && status == SOFTSIM_OK; ++k) {
         const ss_static_plan plan = {.c = &levels->c,

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "devices/script.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 
@@ -56,8 +57,7 @@ softsim_status ss_script_create(const char *csv_path, double period_s, ss_device
 {
     script *s = calloc(1, sizeof *s);
     if (s == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     const softsim_status status = softsim_path_load(csv_path, &s->path, error);
     if (status != SOFTSIM_OK) {

@@ -26,6 +26,7 @@
 #include <stdlib.h>
 
 #include "devices/sim.h"
+#include "rt/memory.h"
 #include "rt/random.h"
 #include "rt/vec.h"
 
@@ -148,8 +149,7 @@ softsim_status ss_sim_create(const ss_sim_config *config, ss_device *out_device,
 {
     sim *s = calloc(1, sizeof *s);
     if (s == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     s->config = *config;
     const double *body = bodies[config->body];

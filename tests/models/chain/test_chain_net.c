@@ -129,12 +129,19 @@ TEST(pull_is_that_of_the_plain_sum_over_links)
     setup_fini(&s);
 }
 
+/* A cube of `cells` a side whose links pull, its nodes shaken by `size`. */
+static ss_model *create_pulling(setup *s, int cells, double size)
+{
+    ss_model *m = create_network(s, make_box(cells, cells, cells, 1.0), 0.02);
+    shake(s, size);
+    (void)m->kernels->pull(m->net, 1, m->u, m->pull);
+    return m;
+}
+
 TEST(pull_has_no_force_and_no_torque_of_its_own)
 {
     setup s;
-    ss_model *m = create_network(&s, make_box(4, 4, 4, 1.0), 0.02);
-    shake(&s, 0.8);
-    (void)m->kernels->pull(m->net, 1, m->u, m->pull);
+    ss_model *m = create_pulling(&s, 4, 0.8);
     double force[3] = {0.0}, torque[3] = {0.0};
     for (int32_t i = 0; i < m->node_count; ++i) {
         double p[3], f[3], t[3];
@@ -154,9 +161,7 @@ TEST(pull_has_no_force_and_no_torque_of_its_own)
 TEST(pull_is_the_slope_of_the_energy)
 {
     setup s;
-    ss_model *m = create_network(&s, make_box(3, 3, 3, 1.0), 0.02);
-    shake(&s, 0.6);
-    (void)m->kernels->pull(m->net, 1, m->u, m->pull);
+    ss_model *m = create_pulling(&s, 3, 0.6);
     const double step = BY_TYPE(1.0 / 256.0, 1e-5);
     for (int32_t i = 0; i < m->node_count; i += 2) {
         for (int k = 0; k < 3; ++k) {

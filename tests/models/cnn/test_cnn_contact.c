@@ -243,9 +243,8 @@ TEST(the_stiffness_told_is_the_tangent_and_errs_high)
     for (int kind = 0; kind < 4; ++kind) {
         const double radius = kind < 2 ? PLATE_EDGE : 3.0 * PLATE_EDGE;
         setup s;
-        ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-        create_plate(&s, 1, radius, kind % 2 == 0 ? 0.0 : 0.5);
-        press(&s, tool, 1, 0.001, radius, 0.003);
+        ss_model_tool tool[SOFTSIM_MAX_PROBES];
+        create_pressed(&s, 1, radius, kind % 2 == 0 ? 0.0 : 0.5, tool, 0.001, 0.003);
         check_told(&s, tool);
         setup_fini(&s);
     }
@@ -255,9 +254,8 @@ TEST(the_stiffness_told_is_the_tangent_and_errs_high)
 TEST(the_stiffness_told_counts_the_grasp)
 {
     setup s;
-    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    create_plate(&s, 1, PLATE_EDGE, 0.2);
-    press(&s, tool, 1, 0.001, PLATE_EDGE, 0.003);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    create_pressed(&s, 1, PLATE_EDGE, 0.2, tool, 0.001, 0.003);
     tool[0].is_grasping = true;
     settle(&s, 1e-3, tool, 200);
     assert_true(s.model->tools.tool[0].grasp.count > 0);
@@ -348,9 +346,8 @@ TEST(a_fast_tool_is_sub_stepped_and_does_not_tunnel)
 TEST(a_tool_that_leaves_or_jumps_keeps_the_energy_balance)
 {
     setup s;
-    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    create_plate(&s, 1, PLATE_EDGE, 0.2);
-    press(&s, tool, 1, 0.0, PLATE_EDGE, 0.003);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    create_pressed(&s, 1, PLATE_EDGE, 0.2, tool, 0.0, 0.003);
     const double stored = info_of(&s).elastic;
     tool[0].to.position[0] = tool[0].from.position[0] = 0.01; /* a jump, no sweep */
     step_tools(&s, 1e-3, tool);

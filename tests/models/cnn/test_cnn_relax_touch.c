@@ -88,14 +88,6 @@ TEST(cells_spread_while_touched_and_start_anew_after)
     setup_fini(&s);
 }
 
-static uint64_t hash_of(const setup *s)
-{
-    uint64_t hash = s->class->hash(s->model, SS_HASH_START);
-    hash = ss_hash_bytes(hash, s->class->displacement(s->model),
-                         (size_t)s->mesh->node_count * 4 * sizeof(ss_real));
-    return hash;
-}
-
 static uint64_t hash_after_press(setup *s)
 {
     ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};

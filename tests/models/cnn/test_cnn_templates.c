@@ -406,6 +406,20 @@ TEST(a_grid_conducts_by_its_sides)
     free_mesh(mesh);
 }
 
+/* Conducting by `along` and `across` a direction: of all elements, or of each its own. */
+static ss_cnn_network *directed_network(const ss_mesh *mesh, ss_cnn_element element,
+                                        const double *along, const double *across,
+                                        const double *direction, const double (*per_element)[3])
+{
+    return network_of(&(ss_cnn_fabric){.mesh = mesh,
+                                       .element = element,
+                                       .rho = along,
+                                       .rho_across = across,
+                                       .direction = direction,
+                                       .per_element = per_element},
+                      NULL);
+}
+
 TEST(where_directions_differ_an_edge_takes_their_share)
 {
     /* Two quads, one beside the other, the first with u along x, the second along y. */
@@ -413,12 +427,7 @@ TEST(where_directions_differ_an_edge_takes_their_share)
     static const double direction[2][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
     double along[6] = {1, 1, 1, 1, 1, 1}, across[6] = {5, 5, 5, 5, 5, 5};
     ss_mesh *mesh = make_tensor_grid(2, 3, x, y);
-    ss_cnn_network *network = network_of(&(ss_cnn_fabric){.mesh = mesh,
-                                                          .element = SS_CNN_QUAD,
-                                                          .rho = along,
-                                                          .rho_across = across,
-                                                          .per_element = direction},
-                                         NULL);
+    ss_cnn_network *network = directed_network(mesh, SS_CNN_QUAD, along, across, NULL, direction);
     const int32_t shared = edge_between(network, 1, 4); /* w = 1/2 and 3/2 */
     assert_near(network->edge_weight[shared], 0.5 * 1.0 + 1.5 * 5.0, 1e-12);
     assert_near(network->edge_rho[shared], (0.5 * 1.0 + 1.5 * 5.0) / 2.0, 1e-12);
@@ -441,12 +450,8 @@ TEST(triangles_conduct_by_the_angle_to_the_projected_direction)
     for (int k = 0; k < 5; ++k) {
         const double angle = 0.3 + k, tilt = k == 4 ? 0.0 : 0.2 + 0.2 * k;
         const double direction[3] = {tilt * cos(angle), tilt * sin(angle), sqrt(1.0 - tilt * tilt)};
-        ss_cnn_network *network = network_of(&(ss_cnn_fabric){.mesh = mesh,
-                                                              .element = SS_CNN_TRIANGLE,
-                                                              .rho = along,
-                                                              .rho_across = across,
-                                                              .direction = direction},
-                                             NULL);
+        ss_cnn_network *network =
+            directed_network(mesh, SS_CNN_TRIANGLE, along, across, direction, NULL);
         /* Upright (the last) no direction in the plane is special. */
         const double low = k == 4 ? 0.5 * (1.0 + r) : 0.25 * (3.0 + r);
         const double high = k == 4 ? 0.5 * (1.0 + r) : 0.25 * (1.0 + 3.0 * r);
@@ -475,12 +480,8 @@ TEST(tetrahedra_conduct_by_the_angle_in_space)
     }
     ss_cnn_network *plain =
         network_of(&(ss_cnn_fabric){.mesh = mesh, .element = SS_CNN_TETRAHEDRON}, NULL);
-    ss_cnn_network *network = network_of(&(ss_cnn_fabric){.mesh = mesh,
-                                                          .element = SS_CNN_TETRAHEDRON,
-                                                          .rho = along,
-                                                          .rho_across = across,
-                                                          .direction = direction},
-                                         NULL);
+    ss_cnn_network *network =
+        directed_network(mesh, SS_CNN_TETRAHEDRON, along, across, direction, NULL);
     for (int32_t e = 0; e < network->edges.count; ++e) {
         double arm[3];
         ss_sub3(arm, mesh->position[network->edges.to[e] / 4],

@@ -323,9 +323,8 @@ TEST(two_starts_lead_to_one_answer)
 TEST(second_tools_add_their_own_potential)
 {
     setup s;
-    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
-    create_plate(&s, 2, PLATE_EDGE, 0.0);
-    press(&s, tool, 1, 0.0, PLATE_EDGE, 0.006);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES];
+    create_pressed(&s, 2, PLATE_EDGE, 0.0, tool, 0.0, 0.006);
     const double alone = s.model->tools.tool[0].force[2];
     for (int n = 0; n <= 40; ++n) { /* a light touch far away */
         go(&tool[1], 0.038, 0.0, PLATE_EDGE + 0.001 - 0.0012 * n / 40.0);

@@ -42,10 +42,8 @@ static void setup_large(setup *s)
     for (int32_t i = 0; i < s->mesh->node_count; ++i) {
         s->fixed[i] = s->mesh->position[i][2] < -0.6 ? 7 : 0;
     }
+    give_skin(s);
     give(s, "modulus_j", 500.0);
-    give(s, "area_density_kg_m2", 11.5);
-    give(s, "damping_n_s_per_m3", 1725.0);
-    give(s, "rest_stiffness_n_per_m3", 5e4);
     s->plan.step = 2e-3;
 }
 

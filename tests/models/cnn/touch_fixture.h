@@ -67,3 +67,12 @@ static inline void press(setup *s, ss_model_tool *tool, int probes, double x, do
     }
     settle(s, 1e-3, tool, 200);
 }
+
+/* A plate with `tools` spheres of `radius`, the first of them pressed in by `depth` at x. */
+static inline void create_pressed(setup *s, int tools, double radius, double pretension,
+                                  ss_model_tool tool[SOFTSIM_MAX_PROBES], double x, double depth)
+{
+    memset(tool, 0, SOFTSIM_MAX_PROBES * sizeof *tool);
+    create_plate(s, tools, radius, pretension);
+    press(s, tool, 1, x, radius, depth);
+}

@@ -472,10 +472,7 @@ static uint64_t press_and_hash(setup *s)
     move(s, tool, 0.4, 0.1, 30);
     move(s, tool, 0.6, 0.1, 30);
     move(s, tool, 0.6, -0.6, 10);
-    uint64_t hash = s->class->hash(s->model, SS_HASH_START);
-    hash = ss_hash_bytes(hash, s->class->displacement(s->model),
-                         4 * (size_t)s->mesh->node_count * sizeof(ss_real));
-    return hash;
+    return hash_of(s);
 }
 
 /* After a fault the body stays as it was, and so does its surface wherever a tool goes. */

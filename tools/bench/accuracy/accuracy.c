@@ -26,6 +26,7 @@
 #include "rt/each.h"
 #include "rt/files.h"
 #include "rt/hash.h"
+#include "rt/memory.h"
 #include "world/world.h"
 
 enum { MAX_NAMES = 64, QUICK_MESHES = 2, QUICK_NODES = 2000 };
@@ -253,8 +254,7 @@ static softsim_status load_cases(ss_accuracy *r, softsim_error *error)
     }
     r->plan.c = calloc((size_t)count, sizeof *r->plan.c);
     if (r->plan.c == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     for (int32_t k = 0; k < count; ++k) {
         ss_case *c = &r->plan.c[r->plan.case_count++];
@@ -281,8 +281,7 @@ static softsim_status add_job(ss_accuracy_plan *plan, ss_accuracy_job job, softs
         ss_accuracy_job *more =
             realloc(plan->job, (size_t)(plan->job_count + 64) * sizeof *plan->job);
         if (more == NULL) {
-            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-            return SOFTSIM_ERROR_MEMORY;
+            return ss_memory_fault(error);
         }
         plan->job = more;
     }
@@ -409,8 +408,7 @@ static softsim_status prepare(ss_accuracy *r, softsim_error *error)
     if (r->o.scene != NULL) {
         ss_case *c = calloc(1, sizeof *c); /* its reference takes minutes: the rows come first */
         if (c == NULL) {
-            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-            return SOFTSIM_ERROR_MEMORY;
+            return ss_memory_fault(error);
         }
         ss_accuracy_scene_outline(c);
         check_compared(&r->o, &(ss_accuracy_plan){.c = c, .case_count = 1}, error);
@@ -552,8 +550,7 @@ static softsim_status make_report(ss_accuracy *r, softsim_error *error)
         r->dynamics = gather(&r->dynamic, &result[1], lose_dynamic);
         if (jobs == NULL || r->dynamics == NULL) {
             free(jobs);
-            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-            status = SOFTSIM_ERROR_MEMORY;
+            status = ss_memory_fault(error);
         } else {
             status = ss_accuracy_rows_add(&r->rows, jobs, error);
         }

@@ -8,6 +8,7 @@
 #include "bench/accuracy/accuracy.h"
 #include "bench/core/surface_picture.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 enum { MAX_SHAPE_NODES = 8000, NAME_SIZE = 300 };
@@ -520,8 +521,7 @@ softsim_status ss_accuracy_draw(ss_page *page, const ss_accuracy_plan *plan, con
     d.is_drawn = calloc((size_t)d.means.count + 1, sizeof *d.is_drawn);
     d.shown = calloc((size_t)d.means.count + 1, sizeof *d.shown);
     if (status == SOFTSIM_OK && (d.is_drawn == NULL || d.shown == NULL)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        status = SOFTSIM_ERROR_MEMORY;
+        status = ss_memory_fault(error);
     }
     status = status == SOFTSIM_OK ? draw_material(&d, has_shapes) : status;
     free(d.is_drawn);

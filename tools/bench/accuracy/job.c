@@ -23,6 +23,7 @@
 #include "case/run.h"
 #include "case/scratch.h"
 #include "output.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 static const double step_s = 1e-3;
@@ -230,8 +231,7 @@ static softsim_status fit_shape(work *w)
     double x[SS_HINTS_MAX_FREE], error = (double)INFINITY;
     search s = {.w = w, .nlopt = nlopt_create(NLOPT_LN_NELDERMEAD, (unsigned)count)};
     if (s.nlopt == NULL) {
-        softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(w->error);
     }
     for (int32_t k = 0; k < count; ++k) {
         low[k] = log(w->model->hints->free[k].low);
@@ -687,7 +687,7 @@ static softsim_status find_first(work *w, swing *out)
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     ss_scale3(gravity, w->c->step[0].gravity, 0.1);
     if (u == NULL || y == NULL) {
-        softsim_error_add(w->error, status, "out of memory");
+        status = ss_memory_fault(w->error);
     } else {
         status = swing_run(w, gravity, count, u, out);
     }
@@ -719,8 +719,7 @@ static softsim_status run_steps(work *w, swing *out)
         const int32_t count = (int32_t)ceil(step->until / step_s) + 1;
         double(*u)[3] = calloc((size_t)count, sizeof *u);
         if (u == NULL) {
-            softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");
-            return SOFTSIM_ERROR_MEMORY;
+            return ss_memory_fault(w->error);
         }
         status = swing_run(w, step->gravity, count, u, out);
         if (status == SOFTSIM_OK) {

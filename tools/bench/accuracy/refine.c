@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
@@ -20,12 +21,6 @@ typedef struct edges {
 } edges;
 
 static const int corner[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
-}
 
 static int by_nodes(const void *x, const void *y)
 {
@@ -115,7 +110,7 @@ static softsim_status refine_mesh(const ss_mesh *mesh, const edges *list, ss_mes
     int32_t(*t)[4] = calloc(8 * (size_t)mesh->tetrahedron_count, sizeof *t);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     if (x == NULL || t == NULL) {
-        no_memory(error);
+        ss_memory_fault(error);
     } else {
         memcpy(x, mesh->position, (size_t)n * sizeof *x);
         for (int32_t e = 0; e < list->count; ++e) {
@@ -212,12 +207,12 @@ softsim_status ss_refine(const ss_case_body *coarse, ss_case_body *out, softsim_
 {
     edges list = {.edge = NULL};
     *out = (ss_case_body){.mesh = NULL};
-    softsim_status status = list_edges(coarse->mesh, &list) ? SOFTSIM_OK : no_memory(error);
+    softsim_status status = list_edges(coarse->mesh, &list) ? SOFTSIM_OK : ss_memory_fault(error);
     if (status == SOFTSIM_OK) {
         status = refine_mesh(coarse->mesh, &list, &out->mesh, error);
     }
     if (status == SOFTSIM_OK && !fill(coarse, &list, out)) {
-        status = no_memory(error);
+        status = ss_memory_fault(error);
     }
     free(list.edge);
     return status;

@@ -8,6 +8,7 @@
 #include "bench/accuracy/accuracy.h"
 #include "output.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 
 const char ss_accuracy_head[] =
     "case,material,model,mesh,nodes,elements,level,error_l2,error_max,error_force,us_per_step_p50,"
@@ -165,8 +166,7 @@ static softsim_status take_table(ss_accuracy_rows *rows, const ss_table *table, 
     const size_t total = (size_t)rows->count + (size_t)table->row_count;
     ss_accuracy_row *row = realloc(rows->row, (total + 1) * sizeof *row);
     if (row == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     rows->row = row;
     for (int32_t i = 0; i < table->row_count; ++i) {
@@ -283,8 +283,7 @@ softsim_status ss_accuracy_means_find(const ss_accuracy_rows *rows, const char *
                                .error = calloc(room, sizeof *out->error),
                                .is_front = calloc(room, sizeof *out->is_front)};
     if (!out->mean || !out->time || !out->error || !out->is_front) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     for (int32_t i = 0; i < rows->count; ++i) {
         bool is_new = is_of(&rows->row[i], case_name, material);

@@ -15,6 +15,7 @@
 #include "case/scratch.h"
 #include "models/model.h"
 #include "output.h"
+#include "rt/memory.h"
 #include "rt/progress.h"
 #include "rt/vec.h"
 #include "scene/scene.h"
@@ -53,8 +54,7 @@ static softsim_status refuse(maker *m, const char *why)
 
 static softsim_status no_memory(maker *m)
 {
-    softsim_error_add(m->error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
+    return ss_memory_fault(m->error);
 }
 
 /* ---- the scene as a case ---- */
@@ -611,8 +611,7 @@ softsim_status ss_accuracy_scene(const char *scene, const char *folder, bool is_
 {
     maker *m = calloc(1, sizeof *m);
     if (m == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     *m = (maker){.path = scene, .folder = folder, .worth = out, .error = error};
     *out = (ss_accuracy_worth){.nodes = 0};

@@ -387,6 +387,22 @@ softsim_status ss_report_csv_open(ss_output *csv, const char *folder, const char
     return status;
 }
 
+softsim_status ss_report_csv_write(const char *folder, const char *name, const char *head,
+                                   int32_t count,
+                                   void (*put_row)(FILE *file, const void *context, int32_t row),
+                                   const void *context, softsim_error *error)
+{
+    ss_output csv;
+    const softsim_status status = ss_report_csv_open(&csv, folder, name, head, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    for (int32_t k = 0; k < count; ++k) {
+        put_row(csv.file, context, k);
+    }
+    return ss_output_commit(&csv, error);
+}
+
 void ss_csv_text(FILE *file, const char *text)
 {
     if (strpbrk(text, ",\"\r\n") == NULL) {

@@ -10,6 +10,7 @@
  */
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "bench/core/yardstick.h"
 #include "output.h"
@@ -83,5 +84,11 @@ void ss_page_abandon(ss_page *page);
 /* Opens `folder`/`name`.csv with a head line, given without its end. */
 softsim_status ss_report_csv_open(ss_output *csv, const char *folder, const char *name,
                                   const char *head, softsim_error *error);
+/* All of `folder`/`name`.csv: the head line, and the rows 0 to count - 1 that put_row writes, each
+ * with its end. */
+softsim_status ss_report_csv_write(const char *folder, const char *name, const char *head,
+                                   int32_t count,
+                                   void (*put_row)(FILE *file, const void *context, int32_t row),
+                                   const void *context, softsim_error *error);
 /* One field of a CSV: quoted where it holds a comma, a quote or a line end. */
 void ss_csv_text(FILE *file, const char *text);

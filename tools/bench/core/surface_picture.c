@@ -4,7 +4,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
@@ -223,6 +225,16 @@ softsim_status ss_surface_picture_draw(ss_paper *paper, const char *name, const 
     return ss_surface_picture_put(&paper->page, name, caption, shape, view, view_count, error);
 }
 
+int32_t (*ss_surface_faces(int32_t triangle_count, const int32_t (*triangle)[3]))[4]
+{
+    int32_t(*face)[4] = calloc((size_t)triangle_count, sizeof *face);
+    for (int32_t t = 0; face != NULL && t < triangle_count; ++t) {
+        memcpy(face[t], triangle[t], sizeof triangle[t]);
+        face[t][3] = -1;
+    }
+    return face;
+}
+
 softsim_status ss_surface_picture_put(ss_page *page, const char *name, const char *caption,
                                       const ss_surface_picture *shape,
                                       const ss_surface_picture_view *view, int32_t view_count,
@@ -269,8 +281,7 @@ softsim_status ss_surface_picture_put(ss_page *page, const char *name, const cha
     fputs("EOD\nplot $outline with lines lw 1.2 dt 2 lc rgb '#404040'\n", file);
     if (!is_good) {
         ss_output_abandon(&script);
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     return ss_page_plot(page, &script, name, caption, error);
 }

@@ -31,6 +31,8 @@ typedef struct ss_surface_picture_view {
     const char *label;
 } ss_surface_picture_view;
 
+/* Triangles as faces, or NULL without memory; freed by the caller. */
+int32_t (*ss_surface_faces(int32_t triangle_count, const int32_t (*triangle)[3]))[4];
 /* Draws `name`.png into the page. */
 softsim_status ss_surface_picture_put(ss_page *page, const char *name, const char *caption,
                                       const ss_surface_picture *shape,

@@ -34,6 +34,7 @@
 #include "process.h"
 #include "rt/clock.h"
 #include "rt/hash.h"
+#include "rt/memory.h"
 
 enum {
     PATH_SIZE = 4096,
@@ -240,7 +241,7 @@ static softsim_status read_part(sweeper *s, part *from, char *text, softsim_erro
         from->offset = ftello(file);
     }
     if (status == SOFTSIM_ERROR_MEMORY) {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     fclose(file);
     return status;
@@ -344,8 +345,7 @@ static softsim_status put_record(sweeper *s, int32_t index, bool is_lost, const 
     char *record = malloc((size_t)head + length + 1);
     if (record == NULL || !store_result(s, index, is_lost, text)) {
         free(record);
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     memcpy(record, line, (size_t)head);
     memcpy(record + head, text, length);
@@ -659,7 +659,7 @@ softsim_status ss_sweep_execute(const ss_sweep *sweep, ss_sweep_result *out_resu
              fingerprint(sweep), sweep->count);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     if (!allocate(&s)) {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     } else {
         status = read_parts(&s, error);
     }

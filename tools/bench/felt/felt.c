@@ -33,6 +33,7 @@
 #include "rt/args.h"
 #include "rt/csv.h"
 #include "rt/hash.h"
+#include "rt/memory.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 #include "world/world.h"
@@ -310,19 +311,13 @@ static bool run_rate(job *j, int32_t rate, int32_t delay_ms)
     return is_good;
 }
 
-static softsim_status out_of_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
-}
-
 static softsim_status run_rates(job *j, softsim_error *error)
 {
     const report *r = j->r;
     for (int32_t i = 0; i < r->rate_count; ++i) {
         for (int32_t d = 0; d < r->delay_count; ++d) {
             if (!run_rate(j, i, r->delay_ms[d])) {
-                return out_of_memory(error);
+                return ss_memory_fault(error);
             }
         }
     }
@@ -343,7 +338,7 @@ static softsim_status run_own(job *j, softsim_error *error)
         const bool is_good = measure(j, &j->reference, &trace, &r);
         ss_felt_trace_fini(&trace);
         if (!is_good) {
-            return out_of_memory(error);
+            return ss_memory_fault(error);
         }
         j->own = r.e;
     }
@@ -586,31 +581,25 @@ static softsim_status write_goals(const report *r, const ss_sweep_result *result
 }
 
 static softsim_status write_page(const ss_felt_report *base, const ss_sweep_result *result,
-                                 softsim_error *error)
+                                 ss_page *page, softsim_error *error)
 {
     const report *r = (const report *)base;
     static const char *const columns[] = {
         "rate, Hz", "path", "delay, ms", "p50",       "p95",      "p99",     "hold: p99", "impulse",
         "peak",     "held", "static",    "touch, ms", "depth, R", "net, mJ", "verdict"};
-    ss_page page;
-    softsim_status status =
-        ss_page_open(&page, r->base.out, "felt", "softsim: what a hand feels", error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
     ss_page_text(
-        &page, "The same path of a tool, played to the same scene while its simulation runs at "
-               "each rate, in lockstep and without a clock; the force on the hand a thousand times "
-               "a second, compared with that of the simulation at 1000 Hz without delay. p50, p99, "
-               "max: the difference over the milliseconds of contact, in %% of the mean force "
-               "there; a difference of 7 %% is just noticeable. Impulse and peak: of the force's "
-               "size over the whole path. Held: a press of 6 mm (or 15 %% of the body's least "
-               "extent), the last 100 ms of 0.4 s. Static: the same against the same press held "
-               "for 3 s. Net: the least energy that a contact took from the hand; negative, the "
-               "hand was driven. Rows of 1000 Hz without delay are compared with 10,000 Hz. Good: "
-               "p99 up to 7 %%, held within 2 %%, static within 3 %%, net from -1 mJ. Fair: 20 %% "
-               "and -10 mJ. The device's path is given: how a hand gives way is not in here.");
-    ss_page_text(&page,
+        page, "The same path of a tool, played to the same scene while its simulation runs at "
+              "each rate, in lockstep and without a clock; the force on the hand a thousand times "
+              "a second, compared with that of the simulation at 1000 Hz without delay. p50, p99, "
+              "max: the difference over the milliseconds of contact, in %% of the mean force "
+              "there; a difference of 7 %% is just noticeable. Impulse and peak: of the force's "
+              "size over the whole path. Held: a press of 6 mm (or 15 %% of the body's least "
+              "extent), the last 100 ms of 0.4 s. Static: the same against the same press held "
+              "for 3 s. Net: the least energy that a contact took from the hand; negative, the "
+              "hand was driven. Rows of 1000 Hz without delay are compared with 10,000 Hz. Good: "
+              "p99 up to 7 %%, held within 2 %%, static within 3 %%, net from -1 mJ. Fair: 20 %% "
+              "and -10 mJ. The device's path is given: how a hand gives way is not in here.");
+    ss_page_text(page,
                  "Hold: p99 of the same run without the local contact model, forces held from the "
                  "last result. Touch: of the reference's contacts, the one that is felt latest (or "
                  "earliest: negative). Depth: of the tool in the tissue, in its radii, pressed "
@@ -618,7 +607,7 @@ static softsim_status write_page(const ss_felt_report *base, const ss_sweep_resu
                  "what was measured beside it: how far 1000 Hz is itself from 10,000 Hz; how much "
                  "of the force is not that of a hand ten times slower (p95), and in how many ms "
                  "it rises; where in a contact the difference is.");
-    status = write_goals(r, result, &page, error);
+    softsim_status status = write_goals(r, result, page, error);
     for (int32_t s = 0; s < r->base.scenes.count && status == SOFTSIM_OK; ++s) {
         char name[SS_FELT_NAME_SIZE];
         if (r->base.scenes.is_bundled && !result->run[s * SS_FELT_PATHS].is_lost &&
@@ -626,20 +615,20 @@ static softsim_status write_page(const ss_felt_report *base, const ss_sweep_resu
             continue; /* without a tool */
         }
         ss_felt_name(r->base.scenes.path[s], name);
-        ss_page_heading(&page, name);
-        ss_page_table_begin(&page, (int32_t)(sizeof columns / sizeof *columns), columns);
+        ss_page_heading(page, name);
+        ss_page_table_begin(page, (int32_t)(sizeof columns / sizeof *columns), columns);
         for (int32_t p = 0; p < SS_FELT_PATHS; ++p) {
             const ss_sweep_run *run = &result->run[s * SS_FELT_PATHS + p];
             if (!run->is_lost) {
-                add_rows(&page, run->text);
+                add_rows(page, run->text);
             }
         }
-        ss_page_table_end(&page);
-        ss_felt_page_lost(base, &page, &result->run[s * SS_FELT_PATHS]);
-        status = plot_scene(r, result, s, &page, error);
+        ss_page_table_end(page);
+        ss_felt_page_lost(base, page, &result->run[s * SS_FELT_PATHS]);
+        status = plot_scene(r, result, s, page, error);
     }
-    ss_page_link(&page, "felt-goals.csv");
-    return ss_felt_page_close(base, &page, status, error);
+    ss_page_link(page, "felt-goals.csv");
+    return status;
 }
 
 static void print_goals(const ss_sweep_result *result)
@@ -712,9 +701,12 @@ static int run_report(int argc, char **argv)
             return ss_felt_slide(argc, argv);
         }
     }
-    static const ss_felt_kind kind = {"felt",     head,          sizeof(report), SS_FELT_PATHS,
-                                      path_name,  parse_options, label,          run_one,
-                                      write_page, print_goals};
+    static const ss_felt_kind kind = {"felt",        "softsim: what a hand feels",
+                                      head,          sizeof(report),
+                                      SS_FELT_PATHS, path_name,
+                                      parse_options, label,
+                                      run_one,       write_page,
+                                      print_goals};
     return ss_felt_report_run(argc, argv, &kind);
 }
 

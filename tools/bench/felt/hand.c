@@ -9,6 +9,7 @@
 
 #include "bench/felt/chain.h"
 #include "correct.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
 
@@ -98,8 +99,7 @@ static softsim_status open_chain(server *s, softsim_error *error)
     s->chain = ss_chain_create(&config);
     s->axis[0][0] = s->axis[1][1] = s->axis[2][2] = s->orientation[0] = 1.0;
     if (s->chain == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     return SOFTSIM_OK;
 }
@@ -264,8 +264,7 @@ static softsim_status open_loop(loop *l, int32_t ticks, softsim_error *error)
     l->limit = calloc(size, sizeof *l->limit);
     l->row = calloc(size, sizeof *l->row);
     if (!l->poses || !l->forces || !l->sent || !l->answer || !l->answered || !l->limit || !l->row) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     ss_corrector_init(&l->corrector, run->is_correcting);
     const softsim_status status = ss_sim_create(&sim, &l->device, error);
@@ -302,8 +301,7 @@ softsim_status ss_hand_play(const ss_hand_run *run, ss_hand_outcome *out, softsi
     *out = (ss_hand_outcome){0};
     loop *l = calloc(1, sizeof *l);
     if (l == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     l->server.run = run;
     softsim_status status = open_loop(l, ticks, error);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "correct.h"
+#include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
@@ -154,8 +155,7 @@ softsim_status ss_felt_play(const char *scene, const ss_felt_place *place, ss_fe
     softsim_world *world = NULL;
     softsim_status status = SOFTSIM_OK;
     if (!out->force || !b || !answer) {
-        status = SOFTSIM_ERROR_MEMORY;
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
         goto end;
     }
     b->answer = answer;

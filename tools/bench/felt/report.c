@@ -72,16 +72,22 @@ softsim_status ss_felt_plot_open(const ss_felt_report *report, ss_output *script
     return status;
 }
 
-softsim_status ss_felt_page_close(const ss_felt_report *report, ss_page *page,
-                                  softsim_status status, softsim_error *error)
+/* The page, with a link to the table. */
+static softsim_status write_page(const ss_felt_report *r, const ss_sweep_result *result,
+                                 softsim_error *error)
 {
     char table[64];
-    snprintf(table, sizeof table, "%s.csv", report->kind->name);
-    ss_page_link(page, table);
+    ss_page page = {.folder = NULL};
+    softsim_status status = ss_page_open(&page, r->out, r->kind->name, r->kind->title, error);
     if (status == SOFTSIM_OK) {
-        status = ss_page_close(page, error);
+        status = r->kind->write_page(r, result, &page, error);
     }
-    ss_page_abandon(page);
+    if (status == SOFTSIM_OK) {
+        snprintf(table, sizeof table, "%s.csv", r->kind->name);
+        ss_page_link(&page, table);
+        status = ss_page_close(&page, error);
+    }
+    ss_page_abandon(&page);
     return status;
 }
 
@@ -125,7 +131,7 @@ static softsim_status write_all(void *context, const ss_sweep_result *result, so
 {
     const ss_felt_report *r = context;
     softsim_status status = write_csv(r, result, error);
-    status = status == SOFTSIM_OK ? r->kind->write_page(r, result, error) : status;
+    status = status == SOFTSIM_OK ? write_page(r, result, error) : status;
     if (status == SOFTSIM_OK) {
         print_rows(r, result);
     }

@@ -16,17 +16,18 @@ typedef struct ss_felt_report {
 } ss_felt_report;
 
 typedef struct ss_felt_kind {
-    const char *name; /* of its files */
-    const char *head; /* of its table */
-    size_t size;      /* of what begins with an ss_felt_report */
-    int32_t runs;     /* of a scene */
+    const char *name;  /* of its files */
+    const char *title; /* of its page */
+    const char *head;  /* of its table */
+    size_t size;       /* of what begins with an ss_felt_report */
+    int32_t runs;      /* of a scene */
     const char *(*run_name)(int32_t run);
     /* Its own options beside SS_FELT_ROWS; all else is 0. */
     ss_args_result (*parse)(int argc, char **argv, ss_felt_report *report, softsim_error *error);
     void (*label)(const void *report, int32_t index, char out[SS_SWEEP_NAME_SIZE]);
     softsim_status (*run)(const void *report, int32_t index, FILE *out, softsim_error *error);
     softsim_status (*write_page)(const ss_felt_report *report, const ss_sweep_result *result,
-                                 softsim_error *error);
+                                 ss_page *page, softsim_error *error);
     void (*print_more)(const ss_sweep_result *result); /* or NULL */
 } ss_felt_kind;
 
@@ -52,6 +53,3 @@ void ss_felt_page_lost(const ss_felt_report *report, ss_page *page, const ss_swe
 softsim_status ss_felt_plot_open(const ss_felt_report *report, ss_output *script,
                                  const char *picture, int32_t panels, int32_t panel_height,
                                  const char *more, softsim_error *error);
-/* Links the table, and closes the page where `status` is good; the end's status. */
-softsim_status ss_felt_page_close(const ss_felt_report *report, ss_page *page,
-                                  softsim_status status, softsim_error *error);

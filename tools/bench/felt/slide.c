@@ -14,6 +14,7 @@
 #include "process.h"
 #include "rt/args.h"
 #include "rt/hash.h"
+#include "rt/memory.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 #include "world/world.h"
@@ -84,8 +85,7 @@ static softsim_status play_legs(const char *scene, const ss_felt_place *place, c
     out->force = calloc((size_t)out->count + 1, sizeof *out->force);
     if (!out->way_m || !out->force) {
         ss_slide_trace_fini(out);
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     softsim_world *world = ss_felt_world(scene, run, error);
     if (!world) {
@@ -296,8 +296,7 @@ static softsim_status play_speeds(job *j, softsim_error *error)
                                &j->trace[i], error);
         if (status == SOFTSIM_OK &&
             !ss_way_judge(&j->trace[i].forward, &j->trace[i].back, j->way.edge_m, &figures)) {
-            status = SOFTSIM_ERROR_MEMORY;
-            softsim_error_add(error, status, "out of memory");
+            status = ss_memory_fault(error);
         }
         if (status == SOFTSIM_OK) {
             put_row(j, speed_mm_s, &figures, rest_loop(&j->stops) / figures.mean_n);
@@ -314,8 +313,7 @@ static softsim_status run_one(const void *context, int32_t index, FILE *out, sof
     ss_scene *scene = NULL;
     job *j = calloc(1, sizeof *j);
     if (j == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     j->s = s;
     j->scene = s->base.scenes.path[index / SS_WAY_DIRECTIONS];
@@ -418,21 +416,16 @@ static void add_rows(ss_page *page, const char *text)
 }
 
 static softsim_status write_page(const ss_felt_report *base, const ss_sweep_result *result,
-                                 softsim_error *error)
+                                 ss_page *page, softsim_error *error)
 {
     const slides *s = (const slides *)base;
     static const char *const columns[] = {
         "direction", "way, mm",         "edge, mm",      "mm/s",
         "mean, N",   "step, %",         "ripple, %",     "tilt, deg",
         "loop, %",   "loop at rest, %", "by damping, %", "verdict"};
-    ss_page page;
-    softsim_status status =
-        ss_page_open(&page, s->base.out, "slide", "softsim: what sliding feels like", error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
+    softsim_status status = SOFTSIM_OK;
     ss_page_text(
-        &page,
+        page,
         "A tool follows a way of 50 mm over the body at rest, or as far as that reaches, at half "
         "the depth of a press, forward and back, in three directions. Figures are of its middle "
         "0.8, in %% of the mean force. Step: largest change from one millisecond to the next, "
@@ -454,16 +447,16 @@ static softsim_status write_page(const ss_felt_report *base, const ss_sweep_resu
             continue; /* without a tool */
         }
         ss_felt_name(s->base.scenes.path[k], name);
-        ss_page_heading(&page, name);
-        ss_page_table_begin(&page, (int32_t)(sizeof columns / sizeof *columns), columns);
+        ss_page_heading(page, name);
+        ss_page_table_begin(page, (int32_t)(sizeof columns / sizeof *columns), columns);
         for (int32_t d = 0; d < SS_WAY_DIRECTIONS; ++d) {
-            add_rows(&page, run[d].is_lost ? "" : run[d].text);
+            add_rows(page, run[d].is_lost ? "" : run[d].text);
         }
-        ss_page_table_end(&page);
-        ss_felt_page_lost(base, &page, run);
-        status = plot_scene(s, run, name, &page, error);
+        ss_page_table_end(page);
+        ss_felt_page_lost(base, page, run);
+        status = plot_scene(s, run, name, page, error);
     }
-    return ss_felt_page_close(base, &page, status, error);
+    return status;
 }
 
 /* ---- options ---- */
@@ -505,8 +498,16 @@ static const char *name_of(int32_t direction)
 
 int ss_felt_slide(int argc, char **argv)
 {
-    static const ss_felt_kind kind = {"slide",    head,          sizeof(slides), SS_WAY_DIRECTIONS,
-                                      name_of,    parse_options, label,          run_one,
-                                      write_page, NULL};
+    static const ss_felt_kind kind = {"slide",
+                                      "softsim: what sliding feels like",
+                                      head,
+                                      sizeof(slides),
+                                      SS_WAY_DIRECTIONS,
+                                      name_of,
+                                      parse_options,
+                                      label,
+                                      run_one,
+                                      write_page,
+                                      NULL};
     return ss_felt_report_run(argc, argv, &kind);
 }

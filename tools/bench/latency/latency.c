@@ -20,6 +20,7 @@
 #include "bench/latency/session.h"
 #include "process.h"
 #include "rt/args.h"
+#include "rt/memory.h"
 #include "softsim/log.h"
 
 enum { PATH_SIZE = 4096, BINS_A_DECADE = 20, DECADES = 7, TAIL_POINTS = 240 };
@@ -445,8 +446,7 @@ static softsim_status put_pictures(const report *r, ss_page *page, softsim_error
     ss_samples bare_us;
     const ss_bare_result *bare = &r->session->bare;
     if (!ss_samples_init(&bare_us, bare->tick_count + 1)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     for (int64_t i = 0; i < bare->tick_count; ++i) {
         if (bare->tick[i].due_ns > r->figures->windows_begin_ns &&

@@ -117,16 +117,29 @@ softsim_status ss_paper_csv_open(const ss_paper *paper, ss_output *csv, const ch
     return ss_report_csv_open(csv, paper->folder, name, head, error);
 }
 
-softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *name,
-                                  softsim_error *error)
+static softsim_status link_csv(ss_paper *paper, const char *name, softsim_status written)
 {
     char file[96];
-    const softsim_status status = ss_output_commit(csv, error);
-    if (status == SOFTSIM_OK) {
+    if (written == SOFTSIM_OK) {
         snprintf(file, sizeof file, "%s.csv", name);
         ss_page_link(&paper->page, file);
     }
-    return status;
+    return written;
+}
+
+softsim_status ss_paper_csv_write(ss_paper *paper, const char *name, const char *head,
+                                  int32_t count,
+                                  void (*put_row)(FILE *file, const void *context, int32_t row),
+                                  const void *context, softsim_error *error)
+{
+    return link_csv(paper, name,
+                    ss_report_csv_write(paper->folder, name, head, count, put_row, context, error));
+}
+
+softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *name,
+                                  softsim_error *error)
+{
+    return link_csv(paper, name, ss_output_commit(csv, error));
 }
 
 softsim_status ss_paper_csv_end(ss_paper *paper, ss_output *csv, const char *name,
@@ -155,27 +168,25 @@ static void fill_cells(const ss_paper *paper, const ss_claim *at, const char *ce
     memcpy(cell, all, sizeof all);
 }
 
+static void put_claim(FILE *file, const void *context, int32_t row)
+{
+    const ss_paper *paper = context;
+    const char *cell[CLAIM_CELLS];
+    fill_cells(paper, &paper->claim[row], cell);
+    for (size_t k = 0; k < CLAIM_CELLS; ++k) {
+        if (k > 0) {
+            fputc(',', file);
+        }
+        ss_csv_text(file, cell[k]);
+    }
+    fputc('\n', file);
+}
+
 softsim_status ss_paper_write_claims(const ss_paper *paper, softsim_error *error)
 {
-    ss_output csv;
-    const softsim_status status =
-        ss_paper_csv_open(paper, &csv, "claims",
-                          "paper,figure,claim,expected,measured,tolerance,source,result", error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
-    for (int32_t i = 0; i < paper->claim_count; ++i) {
-        const char *cell[CLAIM_CELLS];
-        fill_cells(paper, &paper->claim[i], cell);
-        for (size_t k = 0; k < CLAIM_CELLS; ++k) {
-            if (k > 0) {
-                fputc(',', csv.file);
-            }
-            ss_csv_text(csv.file, cell[k]);
-        }
-        fputc('\n', csv.file);
-    }
-    return ss_output_commit(&csv, error);
+    return ss_report_csv_write(paper->folder, "claims",
+                               "paper,figure,claim,expected,measured,tolerance,source,result",
+                               paper->claim_count, put_claim, paper, error);
 }
 
 void ss_paper_show_claims(ss_paper *paper)

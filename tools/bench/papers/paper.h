@@ -102,6 +102,11 @@ void ss_paper_show_claims(ss_paper *paper);
 /* Opens `name`.csv in the report's folder with a head line. */
 softsim_status ss_paper_csv_open(const ss_paper *paper, ss_output *csv, const char *name,
                                  const char *head, softsim_error *error);
+/* All of it by ss_report_csv_write, and its link in the page. */
+softsim_status ss_paper_csv_write(ss_paper *paper, const char *name, const char *head,
+                                  int32_t count,
+                                  void (*put_row)(FILE *file, const void *context, int32_t row),
+                                  const void *context, softsim_error *error);
 /* Commits it and puts a link to it into the page. */
 softsim_status ss_paper_csv_close(ss_paper *paper, ss_output *csv, const char *name,
                                   softsim_error *error);

@@ -10,6 +10,7 @@
 #include "mesh/mesh.h"
 #include "process.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/plain.h"
 
 enum { PATH_SIZE = 256 };
@@ -18,12 +19,6 @@ static const double mesh_timeout_s = 120.0;
 static void file_name(const ss_paper *paper, const char *name, char out[PATH_SIZE])
 {
     snprintf(out, PATH_SIZE, "%s/%s", paper->temporary, name);
-}
-
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
 }
 
 /* ---- worlds ---- */
@@ -73,7 +68,7 @@ softsim_status ss_trial_begin(const ss_paper *paper, const ss_trial_plan *plan, 
     out_trial->v = calloc(n, sizeof *out_trial->v);
     if (out_trial->position == NULL || out_trial->u == NULL || out_trial->v == NULL) {
         ss_trial_end(out_trial);
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     softsim_read_nodes(out_trial->world, out_trial->position, out_trial->u, out_trial->v);
     return SOFTSIM_OK;
@@ -126,7 +121,7 @@ softsim_status ss_trial_look(const ss_paper *paper, const char *object, ss_trial
     out_body->triangle = malloc(size);
     if (out_body->triangle == NULL) {
         ss_trial_end(&trial);
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     memcpy(out_body->triangle, softsim_triangles(trial.world), size);
     out_body->rest = trial.position;

@@ -168,8 +168,7 @@ static softsim_status run(const char *scene, ss_block_run *out, softsim_error *e
     struct rusage usage;
     ss_samples tick_us;
     if (!ss_samples_init(&tick_us, MOST_TICKS)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     const int64_t begin_ns = ss_clock_thread_cpu_ns();
     softsim_world *world = softsim_create(scene, &config, &refusal);

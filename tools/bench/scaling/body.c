@@ -14,6 +14,7 @@
 #include "output.h"
 #include "process.h"
 #include "rt/clock.h"
+#include "rt/memory.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
@@ -278,8 +279,7 @@ static softsim_status begin(runner *r, const ss_body *body, const char *scene, s
     *out = (ss_body_run){
         .jump = NAN, .mean_force = NAN, .balance = NAN, .step_us = NAN, .direct_error = NAN};
     if (!ss_samples_init(&out->tick_us, MAX_TICKS)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     r->world = softsim_create(path, &config, &refusal);
     if (r->world == NULL) {
@@ -362,8 +362,7 @@ static softsim_status read_rest(ss_body *body, softsim_world *world, int32_t nod
     body->rest = calloc((size_t)nodes, sizeof *body->rest);
     body->triangle = calloc(triangles, sizeof *body->triangle);
     if (body->rest == NULL || body->triangle == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     softsim_read_nodes(world, body->rest, NULL, NULL);
     memcpy(body->triangle, softsim_triangles(world), triangles * sizeof *body->triangle);
@@ -388,8 +387,7 @@ static softsim_status keep_displacement(const runner *r, softsim_error *error)
     ss_body_run *out = r->out;
     out->displacement = calloc((size_t)out->nodes, sizeof *out->displacement);
     if (out->displacement == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     softsim_read_nodes(r->world, NULL, out->displacement, NULL);
     return SOFTSIM_OK;
@@ -458,8 +456,7 @@ static softsim_status init_twin(twin *t, const ss_body *body, double scale, cons
                 .is_held = calloc(n, 1),
                 .is_given = calloc(n, 1)};
     if (!t->rest || !t->force || !t->u || !t->weight || !t->is_held || !t->is_given) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     memcpy(t->u, run->displacement, n * sizeof *t->u);
     for (size_t i = 0; i < n; ++i) {

@@ -109,26 +109,23 @@ void ss_scaling_put_elements(ss_page *page, const ss_scaling *r)
     ss_page_table_end(page);
 }
 
+static void put_row(FILE *file, const void *context, int32_t k)
+{
+    const ss_scaling *r = context;
+    const ss_element_speed *at = &r->element[k];
+    fprintf(file, "%s,%d,%d,%.4g,%.4g,%.6g,%.6g,%.4g,", r->element_case[k]->model,
+            r->element_case[k]->is_viscous, at->elements, at->ns, at->least_ns, at->flops,
+            at->bytes, best(at, at->flop_share));
+    if (!isnan(at->flop_512_share)) {
+        fprintf(file, "%.4g", best(at, at->flop_512_share));
+    }
+    fprintf(file, ",%.4g\n", best(at, at->bandwidth_share));
+}
+
 softsim_status ss_scaling_write_elements(const ss_scaling *r, softsim_error *error)
 {
-    ss_output output;
-    const softsim_status status =
-        ss_report_csv_open(&output, r->options->out, "elements",
-                           "model,is_viscous,elements,ns,least_ns,flops,bytes,flop_share,flop_512_"
-                           "share,bandwidth_share",
-                           error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
-    for (int32_t k = 0; k < r->element_count; ++k) {
-        const ss_element_speed *at = &r->element[k];
-        fprintf(output.file, "%s,%d,%d,%.4g,%.4g,%.6g,%.6g,%.4g,", r->element_case[k]->model,
-                r->element_case[k]->is_viscous, at->elements, at->ns, at->least_ns, at->flops,
-                at->bytes, best(at, at->flop_share));
-        if (!isnan(at->flop_512_share)) {
-            fprintf(output.file, "%.4g", best(at, at->flop_512_share));
-        }
-        fprintf(output.file, ",%.4g\n", best(at, at->bandwidth_share));
-    }
-    return ss_output_commit(&output, error);
+    return ss_report_csv_write(r->options->out, "elements",
+                               "model,is_viscous,elements,ns,least_ns,flops,bytes,flop_share,"
+                               "flop_512_share,bandwidth_share",
+                               r->element_count, put_row, r, error);
 }

@@ -23,37 +23,33 @@ static void put_numbers(FILE *file, const double *value, size_t count)
     }
 }
 
+static void put_row(FILE *file, const void *context, int32_t i)
+{
+    const ss_scaling *r = context;
+    const ss_scaling_row *at = &r->row[i];
+    fprintf(file, "%d,%d,%s", at->points, at->nodes, at->name);
+    const double costs[] = {at->p50_us,   at->p99_us,       at->substeps, at->p50_us / at->substeps,
+                            at->paper_ms, 100.0 * at->jump, at->balance};
+    put_numbers(file, costs, sizeof costs / sizeof *costs);
+    fprintf(file, ",%d", at->active_nodes);
+    put_numbers(file, (const double[]){at->direct_error, at->apart, at->prototype_us}, 3);
+    fputc(',', file);
+    ss_csv_text(file, at->verdict);
+    fprintf(file, ",%s", at->model);
+    put_numbers(file, (const double[]){at->create_s, at->memory_mb, at->peak_mb}, 3);
+    fputc(',', file);
+    ss_csv_text(file, at->solver);
+    fputc('\n', file);
+}
+
 softsim_status ss_scaling_write_csv(const ss_scaling *r, softsim_error *error)
 {
-    ss_output output;
-    const softsim_status status = ss_report_csv_open(
-        &output, r->options->out, "scaling",
+    return ss_report_csv_write(
+        r->options->out, "scaling",
         "points,nodes,case,step_us_p50,step_us_p99,substeps,substep_us,paper_ms,jump_percent,"
         "ledger_fraction,active_nodes,field_error_direct,field_error_all_active,prototype_us,"
         "verdict,model,create_s,memory_mb,peak_mb,solver",
-        error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
-    for (int32_t i = 0; i < r->row_count; ++i) {
-        const ss_scaling_row *at = &r->row[i];
-        fprintf(output.file, "%d,%d,%s", at->points, at->nodes, at->name);
-        const double costs[] = {
-            at->p50_us,   at->p99_us,       at->substeps, at->p50_us / at->substeps,
-            at->paper_ms, 100.0 * at->jump, at->balance};
-        put_numbers(output.file, costs, sizeof costs / sizeof *costs);
-        fprintf(output.file, ",%d", at->active_nodes);
-        put_numbers(output.file, (const double[]){at->direct_error, at->apart, at->prototype_us},
-                    3);
-        fputc(',', output.file);
-        ss_csv_text(output.file, at->verdict);
-        fprintf(output.file, ",%s", at->model);
-        put_numbers(output.file, (const double[]){at->create_s, at->memory_mb, at->peak_mb}, 3);
-        fputc(',', output.file);
-        ss_csv_text(output.file, at->solver);
-        fputc('\n', output.file);
-    }
-    return ss_output_commit(&output, error);
+        r->row_count, put_row, r, error);
 }
 
 static void print_cell(int width, int digits, double value)

@@ -14,6 +14,7 @@
 #include "bench/stability/audit.h"
 #include "bench/stability/stress_scene.h"
 #include "output.h"
+#include "rt/memory.h"
 
 enum { MAX_LINES = 1024, MAX_COLUMNS = 16, MAX_GUARDS = 512, MAX_FAILURES = 200 };
 enum { MAP_WIDTH = 900, LINE_HEIGHT = 15, MAP_MARGIN = 180 };
@@ -282,8 +283,7 @@ static softsim_status put_guards(const ss_stability *list, const ss_sweep_result
     static const char *const head[] = {"model", "sweep", "runs", "outcome", "what acted"};
     guard *guards = calloc(MAX_GUARDS, sizeof *guards);
     if (guards == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     const int32_t count = collect_guards(list, result, guards);
     ss_page_table_begin(page, (int32_t)(sizeof head / sizeof *head), head);

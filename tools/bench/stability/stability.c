@@ -19,6 +19,7 @@
 #include "models/model.h"
 #include "process.h"
 #include "rt/args.h"
+#include "rt/memory.h"
 
 enum { TEXT_SIZE = 4096 };
 static const double run_timeout_s = 120.0;
@@ -117,8 +118,7 @@ static int run_report(int argc, char **argv)
     }
     softsim_status status = ss_report_begin(o.out, scratch, &error);
     if (status == SOFTSIM_OK && !ss_stability_list(&list, o.only, o.is_quick)) {
-        status = SOFTSIM_ERROR_MEMORY;
-        softsim_error_add(&error, status, "out of memory");
+        status = ss_memory_fault(&error);
     }
     if (status == SOFTSIM_OK) {
         list.folder = o.out;

@@ -15,6 +15,7 @@
 #include "case/scratch.h"
 #include "rt/clock.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim/softsim.h"
@@ -167,8 +168,7 @@ static softsim_status begin(runner *r, softsim_error *error)
     name_file(&r->folder, "scene.yaml", path);
     r->world = softsim_create(path, &config, &refusal);
     if (r->world == NULL && refusal.status == SOFTSIM_ERROR_MEMORY) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     if (r->world == NULL) {
         r->out->outcome = SS_STRESS_CASE_REFUSED;
@@ -271,8 +271,7 @@ static softsim_status allocate(runner *r, softsim_error *error)
     r->felt = calloc(SS_STRESS_CASE_MAX_TICKS, sizeof *r->felt);
     if (r->nodes < SS_SPECIMEN_NODES || r->u == NULL || r->v == NULL || r->old == NULL ||
         r->felt == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     softsim_read_nodes(r->world, r->old, NULL, NULL);
     r->size_m = least_extent((const double(*)[3])r->old, r->nodes);
@@ -441,8 +440,7 @@ softsim_status ss_stress_case_run(const ss_stress_case *trial, const char *paren
                                    .depth_m = (double)NAN,
                                    .is_agreed = true};
     if (r == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     const int64_t begin_ns = ss_clock_thread_cpu_ns();
     r->trial = trial;

@@ -13,6 +13,7 @@
 #include "bench/papers/hybrid/hybrid.h"
 #include "bench/papers/hybrid/reference.h"
 #include "models/layer.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 enum { DEPTHS = 4, BINS = 12 };
@@ -92,8 +93,7 @@ static softsim_status press_reference(const ss_paper *paper, int32_t nodes, pres
              1e-3 * mesh->tetrahedron_count);
     if (!ss_heart_reference_init(&reference, mesh, row->lambda, row->mu, "inner")) {
         ss_mesh_destroy(&mesh);
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     reference.damping = 6.0;
     reference.is_guarded = true;

@@ -13,6 +13,7 @@
 #include "bench/papers/hybrid/reference.h"
 #include "models/layer.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 static const uint32_t awake_colour = 0xd0605a, layer_colour = 0xd8b9a0, core_colour = 0x8fb3c9;
@@ -184,7 +185,7 @@ static softsim_status lead_patch(ss_paper *paper, softsim_error *error)
             claim_lead(paper, &body, &reference, count, patch);
         }
     } else {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     ss_heart_reference_fini(&reference);
     ss_heart_end(&body);

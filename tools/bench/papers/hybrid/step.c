@@ -9,6 +9,7 @@
 
 #include "bench/papers/hybrid/hybrid.h"
 #include "bench/papers/hybrid/reference.h"
+#include "rt/memory.h"
 #include "rt/random.h"
 #include "rt/vec.h"
 
@@ -143,8 +144,7 @@ static softsim_status compare_bound(ss_paper *paper, int which, bounds *out, sof
         if (of != SS_HEART_HM1 &&
             (!ss_heart_reference_init(&reference, body.mesh, row->lambda, row->mu, group_of(of)) ||
              !ss_heart_reference_stable_step(&reference, &out->reference_stable))) {
-            status = SOFTSIM_ERROR_MEMORY;
-            softsim_error_add(error, status, "out of memory");
+            status = ss_memory_fault(error);
         }
         if (of != SS_HEART_HM1) {
             ss_heart_reference_fini(&reference);
@@ -160,6 +160,17 @@ static double largest_step(const bounds *of)
     return isfinite(of->reference_stable) ? of->reference_stable : of->stable;
 }
 
+static void put_bounds(FILE *file, const void *context, int32_t b)
+{
+    const bounds *at = (const bounds *)context + b;
+    fprintf(file, "\"%s\",%d,%d,%.5g,%.5g", at->name, at->nodes, at->tetrahedra, at->stable,
+            at->reference_stable);
+    for (int r = 0; r < READINGS; ++r) {
+        fprintf(file, ",%.5g", at->reading[r]);
+    }
+    fputc('\n', file);
+}
+
 static softsim_status show_bounds(ss_paper *paper, const bounds *all, softsim_error *error)
 {
     static const char *const head[] = {"body",
@@ -170,15 +181,6 @@ static softsim_status show_bounds(ss_paper *paper, const bounds *all, softsim_er
                                        "lambda + 2 mu",
                                        "2 lambda + mu, h with particles",
                                        "lambda + 2 mu"};
-    ss_output csv;
-    const softsim_status status = ss_paper_csv_open(
-        paper, &csv, "bounds",
-        "body,nodes,tetrahedra,stable_s,reference_stable_s,printed_s,right_modulus_s,"
-        "printed_particles_s,right_modulus_particles_s",
-        error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
     ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
     for (int b = 0; b <= SS_HEART_ROWS; ++b) {
         ss_row row = {.count = 0};
@@ -186,18 +188,18 @@ static softsim_status show_bounds(ss_paper *paper, const bounds *all, softsim_er
         ss_row_add(&row, "%d / %d", all[b].nodes, all[b].tetrahedra);
         ss_row_add_number(&row, all[b].stable);
         ss_row_add_number(&row, all[b].reference_stable);
-        fprintf(csv.file, "\"%s\",%d,%d,%.5g,%.5g", all[b].name, all[b].nodes, all[b].tetrahedra,
-                all[b].stable, all[b].reference_stable);
         for (int r = 0; r < READINGS; ++r) {
             ss_row_add(&row, "%.4g%s", all[b].reading[r],
                        all[b].reading[r] > largest_step(&all[b]) ? ", unsafe" : "");
-            fprintf(csv.file, ",%.5g", all[b].reading[r]);
         }
-        fputc('\n', csv.file);
         ss_page_table_row(&paper->page, row.count, row.cell);
     }
     ss_page_table_end(&paper->page);
-    return ss_paper_csv_close(paper, &csv, "bounds", error);
+    return ss_paper_csv_write(
+        paper, "bounds",
+        "body,nodes,tetrahedra,stable_s,reference_stable_s,printed_s,right_modulus_s,"
+        "printed_particles_s,right_modulus_particles_s",
+        SS_HEART_ROWS + 1, put_bounds, all, error);
 }
 
 static softsim_status write_bounds(ss_paper *paper, softsim_error *error)

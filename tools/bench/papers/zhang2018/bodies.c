@@ -11,17 +11,12 @@
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "process.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
 enum { LIVER_POINTS = 5762, LIVER_PATCH = 15 };
 static const double mesh_timeout_s = 120.0;
-
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
-}
 
 /* ---- the plane ---- */
 
@@ -66,7 +61,7 @@ softsim_status ss_zhang_plane_reference(const ss_zhang_plane *plane, ss_zhang_ru
     plan.stiffness = plan.capacitance = 1.0;
     plan.stiffness_of = stiffness_of;
     plan.rule = rule;
-    return ss_zhang_reference_init(out, &plan) ? SOFTSIM_OK : no_memory(error);
+    return ss_zhang_reference_init(out, &plan) ? SOFTSIM_OK : ss_memory_fault(error);
 }
 
 /* ---- solids ---- */
@@ -126,7 +121,7 @@ softsim_status ss_zhang_solid_make(const ss_paper *paper, const char *shape, int
     out->volume = calloc(n, sizeof *out->volume);
     if (!ss_mesh_renumber(out->mesh) || out->fixed == NULL || out->volume == NULL) {
         ss_zhang_solid_fini(out);
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     ss_zhang_volumes(out->mesh, out->volume);
     out->mean_length = mean_edge(out->mesh);
@@ -191,7 +186,7 @@ softsim_status ss_zhang_solid_patch(ss_zhang_solid *solid, const double from[3],
     }
     free(order);
     free(area);
-    return solid->pushed_count > 0 ? SOFTSIM_OK : no_memory(error);
+    return solid->pushed_count > 0 ? SOFTSIM_OK : ss_memory_fault(error);
 }
 
 softsim_status ss_zhang_liver_make(const ss_paper *paper, ss_zhang_solid *out, softsim_error *error)
@@ -225,7 +220,7 @@ softsim_status ss_zhang_solid_reference(const ss_zhang_solid *solid, double alph
     plan.capacitance = 1.0;
     plan.rule = rule;
     ss_copy3(plan.direction, solid->direction);
-    return ss_zhang_reference_init(out, &plan) ? SOFTSIM_OK : no_memory(error);
+    return ss_zhang_reference_init(out, &plan) ? SOFTSIM_OK : ss_memory_fault(error);
 }
 
 ss_zhang_setup ss_zhang_solid_setup(const ss_zhang_solid *solid, const char *model, double depth)
@@ -248,13 +243,9 @@ softsim_status ss_zhang_solid_draw(ss_paper *paper, const ss_zhang_solid *solid,
         {{-0.3, -1.0, 0.35}, {0.0, 0.0, 1.0}, "from the front"},
         {{0.9, -0.4, 0.6}, {0.0, 0.0, 1.0}, "from the right"}};
     const ss_mesh *mesh = solid->mesh;
-    int32_t(*face)[4] = calloc((size_t)mesh->triangle_count, sizeof *face);
+    int32_t(*face)[4] = ss_surface_faces(mesh->triangle_count, (const int32_t(*)[3])mesh->triangle);
     if (face == NULL) {
-        return no_memory(error);
-    }
-    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
-        memcpy(face[t], mesh->triangle[t], sizeof mesh->triangle[t]);
-        face[t][3] = -1;
+        return ss_memory_fault(error);
     }
     ss_surface_picture shape = {.node_count = mesh->node_count,
                                 .face_count = mesh->triangle_count,

@@ -15,6 +15,7 @@
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "rt/clock.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
@@ -84,7 +85,7 @@ static softsim_status run_reference(const ss_zhang_solid *liver, double step_s, 
         status = ss_static_linear(liver->mesh, 1e4, 0.3, held, (const double(*)[3])prescribed, fem,
                                   NULL, error);
     } else {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     if (status == SOFTSIM_OK) {
         status = ss_zhang_solid_reference(liver, 0.0, SS_REFERENCE_KEEP, &reference, error);
@@ -104,6 +105,15 @@ static softsim_status run_reference(const ss_zhang_solid *liver, double step_s, 
     return status;
 }
 
+static void put_run(FILE *file, const void *context, int32_t r)
+{
+    const cells_run *run = (const cells_run *)context + r;
+    if (run->is_there) {
+        fprintf(file, "%d,%d,%.6g,%.4g,%.4g,%.6g\n", ratio[r], run->cells, run->step_s, run->us,
+                run->frame_us, run->error);
+    }
+}
+
 static softsim_status show(ss_paper *paper, const cells_run *run, softsim_error *error)
 {
     static const char *const head[] = {"elements a cell",
@@ -112,13 +122,6 @@ static softsim_status show(ss_paper *paper, const cells_run *run, softsim_error 
                                        "CPU time a step, us",
                                        "CPU time for one C, us",
                                        "distance from the reference network"};
-    ss_output csv;
-    const softsim_status status =
-        ss_paper_csv_open(paper, &csv, "cells",
-                          "elements_per_cell,cells,step_s,us_per_step,us_per_c,error_l2", error);
-    if (status != SOFTSIM_OK) {
-        return status;
-    }
     ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
     for (int r = 0; r < RATIO_COUNT; ++r) {
         ss_row cells = {.count = 0};
@@ -132,11 +135,11 @@ static softsim_status show(ss_paper *paper, const cells_run *run, softsim_error 
         ss_row_add(&cells, "%.0f", run[r].frame_us);
         ss_row_add(&cells, "%.3f", run[r].error);
         ss_page_table_row(&paper->page, cells.count, cells.cell);
-        fprintf(csv.file, "%d,%d,%.6g,%.4g,%.4g,%.6g\n", ratio[r], run[r].cells, run[r].step_s,
-                run[r].us, run[r].frame_us, run[r].error);
     }
     ss_page_table_end(&paper->page);
-    return ss_paper_csv_close(paper, &csv, "cells", error);
+    return ss_paper_csv_write(paper, "cells",
+                              "elements_per_cell,cells,step_s,us_per_step,us_per_c,error_l2",
+                              RATIO_COUNT, put_run, run, error);
 }
 
 softsim_status ss_zhang_cells(ss_paper *paper, softsim_error *error)
@@ -158,8 +161,7 @@ softsim_status ss_zhang_cells(ss_paper *paper, softsim_error *error)
     const size_t n = (size_t)liver.mesh->node_count;
     double(*full)[3] = calloc(n, sizeof *full), (*u)[3] = calloc(n, sizeof *u);
     if (full == NULL || u == NULL) {
-        status = SOFTSIM_ERROR_MEMORY;
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     double reference_error = (double)NAN;
     for (int r = 0; r < RATIO_COUNT && status == SOFTSIM_OK; ++r) {

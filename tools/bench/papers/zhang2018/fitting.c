@@ -17,6 +17,7 @@
 #include "bench/papers/zhang2018/zhang2018.h"
 #include "bench/papers/zhong2006/net.h"
 #include "fit.h"
+#include "rt/memory.h"
 #include "rt/random.h"
 #include "rt/vec.h"
 
@@ -137,8 +138,7 @@ static softsim_status make_curve(const plate_body *plate, const double truth[MOS
     curve->force = calloc(POINTS, sizeof *curve->force);
     if (curve->at == NULL || curve->force == NULL ||
         !reference_curve(plate, truth, is_time, curve->force)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     const double scale = noise * rms(curve->force);
     for (int k = 0; k < POINTS; ++k) {
@@ -217,8 +217,7 @@ static softsim_status fit_to(const char *scene, const double truth[MOST], int co
     }
     if (status == SOFTSIM_OK &&
         !find_errors(&plate_of, truth, count, fit->curve_count, out_errors)) {
-        status = SOFTSIM_ERROR_MEMORY;
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     ss_mesh_destroy(&plate_of.mesh);
     if (status == SOFTSIM_OK) {

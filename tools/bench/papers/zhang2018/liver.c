@@ -21,6 +21,7 @@
 #include "process.h"
 #include "rt/clock.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/vec.h"
 
@@ -76,7 +77,7 @@ static softsim_status solve_fem(const ss_zhang_solid *liver, double depth, field
         status = ss_static_linear(liver->mesh, youngs_modulus, poisson_ratio, held,
                                   (const double(*)[3])prescribed, u, NULL, error);
     } else {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     free(held);
     free(prescribed);
@@ -331,7 +332,7 @@ static softsim_status claim_reference(ss_paper *paper, const ss_zhang_solid *liv
     if (status == SOFTSIM_OK) {
         status = ss_zhang_solid_reference(liver, what->alpha, SS_REFERENCE_KEEP, &reference, error);
     } else {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     if (status == SOFTSIM_OK) {
         for (int32_t k = 0; k < mark[LATE]; ++k) {
@@ -684,7 +685,7 @@ static softsim_status poke(ss_zhang *zhang, const ss_zhang_solid *liver, const f
     field fem = calloc(n, sizeof *fem), u = calloc(n, sizeof *u), scratch = calloc(n, sizeof *u);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     if (fem == NULL || u == NULL || scratch == NULL) {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     } else {
         status = SOFTSIM_OK;
     }
@@ -766,8 +767,7 @@ softsim_status ss_zhang_liver(ss_paper *paper, softsim_error *error)
                  liver.mesh->node_count, liver.mesh->tetrahedron_count, liver.pushed_count,
                  poisson_ratio);
     if (unit == NULL) {
-        status = SOFTSIM_ERROR_MEMORY;
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     } else {
         status = solve_fem(&liver, 1.0, unit, error);
     }

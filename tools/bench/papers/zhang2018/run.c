@@ -9,15 +9,10 @@
 
 #include "models/model.h"
 #include "process.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 enum { CHECK_EVERY = 256 }; /* steps between looks at whether the program is to stop */
-
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
-}
 
 /* ---- a model ---- */
 
@@ -112,7 +107,7 @@ softsim_status ss_zhang_begin(const ss_zhang_setup *setup, ss_zhang_run *out_run
     run->param = calloc((size_t)run->class->row_count, sizeof *run->param);
     if (run->param == NULL || !make_set(run)) {
         ss_zhang_end(run);
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     for (int32_t i = 0; i < run->class->row_count; ++i) {
         run->param[i].number = run->class->row[i].fallback;

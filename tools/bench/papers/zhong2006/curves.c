@@ -11,18 +11,21 @@
 
 #include "bench/papers/zhong2006/motion.h"
 #include "bench/papers/zhong2006/zhong2006.h"
+#include "rt/memory.h"
 
 static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
 
 enum { MAX_CURVES = 8 };
 
-/* The same on each tube that is there. */
-static softsim_status on_tubes(ss_zhong *zhong,
+/* Says what is done, and does it on each tube that is there. */
+static softsim_status on_tubes(ss_paper *paper, const char *about,
                                softsim_status (*run)(ss_zhong *zhong, const ss_tube *tube,
                                                      softsim_error *error),
                                softsim_error *error)
 {
+    ss_zhong *zhong = paper->shared;
     softsim_status status = SOFTSIM_OK;
+    ss_page_text(&paper->page, "%s", about);
     for (int k = 0; status == SOFTSIM_OK && k < 2; ++k) {
         if (zhong->tube[k].is_there) {
             status = run(zhong, &zhong->tube[k], error);
@@ -42,8 +45,7 @@ static softsim_status table_init(table *t, int32_t rows, int32_t curves, softsim
     *t = (table){.rows = rows, .curves = curves};
     t->value = calloc((size_t)rows * (size_t)(1 + curves), sizeof *t->value);
     if (t->value == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     return SOFTSIM_OK;
 }
@@ -144,8 +146,7 @@ static softsim_status record_reference(const ss_tube *tube, double gamma,
     if (net == NULL || !ss_zhong_motion_init(&motion, net, &law, SS_TUBE_CONTACT, SS_TUBE_TRIANGLES,
                                              (const int32_t(*)[3])tube->triangle)) {
         ss_zhong_net_destroy(&net);
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     for (int32_t k = 1; k < t->rows; ++k) {
         for (int32_t s = 0; s < every; ++s) {
@@ -274,12 +275,12 @@ static softsim_status creep_on(ss_zhong *zhong, const ss_tube *tube, softsim_err
 
 softsim_status ss_zhong_creep(ss_paper *paper, softsim_error *error)
 {
-    ss_page_text(&paper->page,
-                 "The paper: under a constant force the displacement of the contact builds up "
-                 "towards a maximum, as living tissue creeps; eight materials differ in their "
-                 "damping, 3 to 10, the most damped lowest. Here: 0.25 N on the cylinder's top "
-                 "point for 400 s.");
-    return on_tubes(paper->shared, creep_on, error);
+    return on_tubes(paper,
+                    "The paper: under a constant force the displacement of the contact builds up "
+                    "towards a maximum, as living tissue creeps; eight materials differ in their "
+                    "damping, 3 to 10, the most damped lowest. Here: 0.25 N on the cylinder's top "
+                    "point for 400 s.",
+                    creep_on, error);
 }
 
 /* ---- Fig. 5: hysteresis ---- */
@@ -466,13 +467,14 @@ static softsim_status loop_on(ss_zhong *zhong, const ss_tube *tube, softsim_erro
 
 softsim_status ss_zhong_hysteresis(ss_paper *paper, softsim_error *error)
 {
-    ss_page_text(&paper->page,
-                 "The paper: the force rises at a constant rate and falls again; loading and "
-                 "unloading follow two distinct paths, as in living tissue. Here: up to 0.5 N and "
-                 "back, 40 s each way, damping 2 and 9. The area between the paths is what damping "
-                 "has taken; afterwards the body must come back, since the closure has a memory of "
-                 "rest (the paper does not say what brings it back).");
-    return on_tubes(paper->shared, loop_on, error);
+    return on_tubes(
+        paper,
+        "The paper: the force rises at a constant rate and falls again; loading and "
+        "unloading follow two distinct paths, as in living tissue. Here: up to 0.5 N and "
+        "back, 40 s each way, damping 2 and 9. The area between the paths is what damping "
+        "has taken; afterwards the body must come back, since the closure has a memory of "
+        "rest (the paper does not say what brings it back).",
+        loop_on, error);
 }
 
 /* ---- Fig. 6: load and deformation ---- */
@@ -618,14 +620,15 @@ static softsim_status ramp_on(ss_zhong *zhong, const ss_tube *tube, softsim_erro
 
 softsim_status ss_zhong_load_curves(ss_paper *paper, softsim_error *error)
 {
-    ss_page_text(&paper->page,
-                 "The paper: the force is raised at a constant rate; the deformation varies "
-                 "nonlinearly with it, for eight dampings from 1 (right) to 10 (left). Here: up to "
-                 "1 N in 10 s, and beside it the static curve, which hardens. The hardening is "
-                 "geometric: the tension of an edge follows its Green strain, which is quadratic "
-                 "in the displacement, while the cells stay below their bound and the network is "
-                 "linear. The cell's own nonlinearity, its bound K, softens: see equation 1 "
-                 "below. The paper's sentence that the nonlinearity is the network's and not "
-                 "geometric holds for the second alone.");
-    return on_tubes(paper->shared, ramp_on, error);
+    return on_tubes(
+        paper,
+        "The paper: the force is raised at a constant rate; the deformation varies "
+        "nonlinearly with it, for eight dampings from 1 (right) to 10 (left). Here: up to "
+        "1 N in 10 s, and beside it the static curve, which hardens. The hardening is "
+        "geometric: the tension of an edge follows its Green strain, which is quadratic "
+        "in the displacement, while the cells stay below their bound and the network is "
+        "linear. The cell's own nonlinearity, its bound K, softens: see equation 1 "
+        "below. The paper's sentence that the nonlinearity is the network's and not "
+        "geometric holds for the second alone.",
+        ramp_on, error);
 }

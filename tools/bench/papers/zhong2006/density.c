@@ -22,6 +22,7 @@
 #include <string.h>
 
 #include "bench/papers/zhong2006/zhong2006.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 enum { CURRENTS = 96, TENSORS = 81, LOADS = 61 };
@@ -108,10 +109,10 @@ static int count_shapes(const table *t, double c, double f, double *out_depth)
 
 static const struct run {
     double force, ks, c; /* N, N/m, Pa */
-} runs[] = {{0.5, 0.1, 0.06}, {0.5, 0.1, 0.6},  {0.5, 0.1, 2.0},  {0.5, 0.3, 6.0},
-            {0.1, 0.1, 2.0},  {2.0, 0.1, 0.6},  {2.0, 0.1, 2.0},  {0.5, 0.1, 6.0},
-            {0.1, 0.1, 6.0},  {0.5, 0.3, 60.0}, {0.5, 0.1, 60.0}, {0.5, 0.1, 600.0}};
-enum { RUN_COUNT = sizeof runs / sizeof runs[0] };
+} density_runs[] = {{0.5, 0.1, 0.06}, {0.5, 0.1, 0.6},  {0.5, 0.1, 2.0},  {0.5, 0.3, 6.0},
+                    {0.1, 0.1, 2.0},  {2.0, 0.1, 0.6},  {2.0, 0.1, 2.0},  {0.5, 0.1, 6.0},
+                    {0.1, 0.1, 6.0},  {0.5, 0.3, 60.0}, {0.5, 0.1, 60.0}, {0.5, 0.1, 600.0}};
+enum { RUN_COUNT = sizeof density_runs / sizeof density_runs[0] };
 
 /* Runs every point of the list; the worst that is left where the map says that rest is the only
  * shape, and the least where it does not. */
@@ -126,7 +127,7 @@ static softsim_status run_all(ss_paper *paper, const ss_zhong_net *net, const ss
     *out_left = 0.0;
     ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
     for (int k = 0; status == SOFTSIM_OK && k < RUN_COUNT; k += stride) {
-        const struct run *at = &runs[k];
+        const struct run *at = &density_runs[k];
         ss_zhong_law law = {
             .source = SS_ZHONG_DENSITY, .mass = 1.0, .damping = 2.0, .rest_stiffness = at->ks};
         char name[64];
@@ -341,7 +342,7 @@ softsim_status ss_zhong_density(ss_paper *paper, softsim_error *error)
             : SOFTSIM_ERROR_MEMORY;
     if (status != SOFTSIM_OK) {
         ss_zhong_net_destroy(&net);
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
         return status;
     }
     const double limit = critical(&isotropic), other_limit = critical(&orthotropic);

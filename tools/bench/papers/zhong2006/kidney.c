@@ -13,6 +13,7 @@
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "bench/scaling/body.h"
 #include "process.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 /* ---- Figs. 12, 13: the probe ---- */
@@ -89,18 +90,12 @@ static void make_pose(int32_t k, softsim_pose *out)
     }
 }
 
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
-}
-
 static softsim_status look(session *s, int phase, const softsim_pose *pose,
                            const softsim_force *force, softsim_error *error)
 {
     s->shape[phase] = calloc((size_t)s->trial.node_count, sizeof *s->shape[phase]);
     if (s->shape[phase] == NULL) {
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     softsim_read_nodes(s->trial.world, NULL, s->shape[phase], NULL);
     ss_copy3(s->tool[phase], pose->position);
@@ -201,13 +196,10 @@ static softsim_status draw_phase(ss_paper *paper, const session *s, int phase, s
         {{0.85, 0.6, 0.7}, {0.0, 0.0, 1.0}, "from behind and one end"}};
     const struct phase *at = &phases[phase];
     char caption[256];
-    int32_t(*face)[4] = calloc((size_t)s->body.triangle_count, sizeof *face);
+    int32_t(*face)[4] =
+        ss_surface_faces(s->body.triangle_count, (const int32_t(*)[3])s->body.triangle);
     if (face == NULL) {
-        return no_memory(error);
-    }
-    for (int32_t t = 0; t < s->body.triangle_count; ++t) {
-        memcpy(face[t], s->body.triangle[t], sizeof s->body.triangle[t]);
-        face[t][3] = -1;
+        return ss_memory_fault(error);
     }
     ss_surface_picture shape = {.node_count = s->body.node_count,
                                 .face_count = s->body.triangle_count,

@@ -12,6 +12,7 @@
 
 #include "bench/papers/zhong2006/motion.h"
 #include "bench/papers/zhong2006/zhong2006.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 static const double step_s = 0.0125, load_s = 50.0, sample_s = 0.5;
@@ -38,12 +39,6 @@ static const struct reading {
 };
 enum { READING_COUNT = sizeof readings / sizeof readings[0] };
 
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
-}
-
 softsim_status ss_zhong_load_and_leave(const ss_zhong_net *net, const ss_tube *tube,
                                        const ss_zhong_law *law, const char *name, double force,
                                        double left_s, FILE *csv, ss_zhong_outcome *out,
@@ -54,7 +49,7 @@ softsim_status ss_zhong_load_and_leave(const ss_zhong_net *net, const ss_tube *t
     if (!ss_zhong_motion_init(&motion, net, law, SS_TUBE_CONTACT, SS_TUBE_TRIANGLES,
                               (const int32_t(*)[3])tube->triangle)) {
         ss_zhong_motion_fini(&motion);
-        return no_memory(error);
+        return ss_memory_fault(error);
     }
     const int32_t samples = (int32_t)((load_s + left_s) / sample_s + 0.5);
     for (int32_t k = 1; k <= samples; ++k) {
@@ -269,7 +264,7 @@ softsim_status ss_zhong_literal(ss_paper *paper, softsim_error *error)
     }
     hexagon_by_hand(paper, hexagon_ks);
     ss_zhong_net *net = ss_tube_net(tube, NULL, 0.0);
-    softsim_status status = net != NULL ? SOFTSIM_OK : no_memory(error);
+    softsim_status status = net != NULL ? SOFTSIM_OK : ss_memory_fault(error);
     if (status == SOFTSIM_OK) {
         status = ss_paper_csv_open(paper, &csv, "literal",
                                    "reading,force_n,time_s,u_m,shortest_edge", error);

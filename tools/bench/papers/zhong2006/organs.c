@@ -12,6 +12,7 @@
 #include "bench/core/surface_picture.h"
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/order.h"
 #include "rt/real.h"
 #include "rt/vec.h"
@@ -89,14 +90,9 @@ static softsim_status draw_organ(ss_zhong *zhong, const struct organ *at, const 
         {{0.1, -1.0, 0.25}, {0.0, 0.0, 1.0}, "from the side"},
         {{1.0, -0.5, 0.5}, {0.0, 0.0, 1.0}, "from the pushed end"}};
     char caption[200];
-    int32_t(*face)[4] = calloc((size_t)body->triangle_count, sizeof *face);
+    int32_t(*face)[4] = ss_surface_faces(body->triangle_count, (const int32_t(*)[3])body->triangle);
     if (face == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
-    }
-    for (int32_t t = 0; t < body->triangle_count; ++t) {
-        memcpy(face[t], body->triangle[t], sizeof body->triangle[t]);
-        face[t][3] = -1;
+        return ss_memory_fault(error);
     }
     const ss_surface_picture shape = {.node_count = body->node_count,
                                       .face_count = body->triangle_count,
@@ -151,8 +147,7 @@ static softsim_status press_organ(ss_zhong *zhong, const struct organ *at,
     const double reference = is_chosen ? reference_depth(body, is_held, top) : (double)NAN;
     free(is_held);
     if (!is_chosen) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     snprintf(loads, sizeof loads, "loads:\n  - {nodes: [%d], force_n: [-1, 0, 0], to_s: %g}\n", top,
              organ_load_s);
@@ -354,7 +349,7 @@ static softsim_status renumbered_claim(ss_zhong *zhong, const free_run *run,
             ss_trial_write_mesh(zhong->paper, "renumbered.msh", n, (const double(*)[3])position,
                                 body->triangle_count, (const int32_t(*)[3])triangle, error);
     } else {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     if (status == SOFTSIM_OK) {
         status = ss_trial_look(zhong->paper, "  mesh: renumbered.msh\n  units: m\n", &other, reason,

@@ -16,6 +16,7 @@
 
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "rt/clock.h"
+#include "rt/memory.h"
 
 typedef struct circuit {
     const ss_zhong_net *net;
@@ -153,8 +154,7 @@ static softsim_status settle(const ss_tube *tube, FILE *csv, circuit *c, ss_zhon
     const bool is_solved = ss_zhong_net_solve(net);
     out->solve_us = 1e-3 * (double)(ss_clock_thread_cpu_ns() - start_ns);
     if (!is_solved || !circuit_init(c, net, 1.0, (double)INFINITY)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     double residual = 1.0;
     int64_t spent_ns = 0;
@@ -191,8 +191,7 @@ static softsim_status saturate(ss_zhong *zhong, const ss_tube *tube, ss_zhong_ne
         circuit c;
         if (!circuit_init(&c, net, leaks[k], bound)) {
             circuit_fini(&c);
-            softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-            return SOFTSIM_ERROR_MEMORY;
+            return ss_memory_fault(error);
         }
         for (int32_t s = 0; s < 20000; ++s) {
             circuit_step(&c);
@@ -215,8 +214,7 @@ static softsim_status settle_on(ss_zhong *zhong, const ss_tube *tube, FILE *csv,
     watched ours;
     ss_zhong_net *net = ss_tube_net(tube, NULL, 0.0);
     if (net == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     softsim_status status = settle(tube, csv, &c, net, &s, error);
     if (status == SOFTSIM_OK) {
@@ -341,8 +339,7 @@ static softsim_status saturated_on(ss_zhong *zhong, const ss_tube *tube, softsim
     const double soft = net != NULL ? ss_tube_net_static(net, force_n, NULL, NULL) : (double)NAN;
     ss_zhong_net_destroy(&net);
     if (!(bound > 0.0)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     softsim_status status = watch(zhong, tube, 0, bound, &still, error);
     if (status == SOFTSIM_OK) {

@@ -10,6 +10,7 @@
 
 #include "bench/core/surface_picture.h"
 #include "bench/papers/zhong2006/zhong2006.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
@@ -284,8 +285,7 @@ static softsim_status nine_claims(ss_zhong *zhong, const ss_tube *tube, const ss
     if (net == NULL || !add_sources(tube, net) ||
         isnan(ss_zhong_net_static(net, SS_TUBE_MODULUS, ks, (const double(*)[3])force, u))) {
         ss_zhong_net_destroy(&net);
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     ss_zhong_net_destroy(&net);
     ss_claim_near(paper, "Fig. 11", SS_FROM_CODE, -u[SS_TUBE_CONTACT][1], r->depth, code_tolerance,
@@ -311,8 +311,7 @@ static softsim_status reference_claims(ss_zhong *zhong, const ss_tube *tube,
     }
     ss_zhong_net *net = ss_tube_net(tube, rho, setup->across);
     if (net == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     const double depth = ss_tube_net_static(net, 1.0, NULL, &width);
     ss_zhong_net_destroy(&net);
@@ -385,8 +384,7 @@ static softsim_status per_area_claim(ss_zhong *zhong, const ss_tube *tube, softs
     double ks[SS_TUBE_POINTS], mean = 0.0, depth, width;
     ss_zhong_net *net = ss_tube_net(tube, NULL, 0.0);
     if (net == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     for (int32_t i = 0; i < SS_TUBE_POINTS; ++i) {
         mean += net->area[i] / SS_TUBE_POINTS;

@@ -13,6 +13,7 @@
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "mesh/mesh.h"
 #include "rt/each.h"
+#include "rt/memory.h"
 #include "rt/vec.h"
 
 enum { CUBE_POINTS = 216, LOADS = 3 };
@@ -177,7 +178,7 @@ static softsim_status claim_loads(ss_zhong *zhong, const cube *c, ss_zhong_net *
     }
     SS_EACH(free, force, u, stiffness);
     if (status == SOFTSIM_ERROR_MEMORY) {
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     return status;
 }
@@ -199,8 +200,7 @@ softsim_status ss_zhong_volume(ss_paper *paper, softsim_error *error)
     softsim_status status = make_cube(paper, &c, error);
     ss_zhong_net *net = status == SOFTSIM_OK ? make_net(&c) : NULL;
     if (status == SOFTSIM_OK && net == NULL) {
-        status = SOFTSIM_ERROR_MEMORY;
-        softsim_error_add(error, status, "out of memory");
+        status = ss_memory_fault(error);
     }
     if (status == SOFTSIM_OK) {
         status =
