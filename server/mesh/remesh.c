@@ -15,12 +15,15 @@
  */
 #include "mesh/remesher.h"
 #include "mesh/topology.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
 #include <string.h>
 
 enum { ROUNDS = 10, RETRIES = 4, MAX_GROUPS = 64, MAX_LOOKS = 4096 };
+static const double least_feature = 4.0;  /* edges, in all */
+static const double splinter_deg = 10.0;  /* as a sliver's angle (quality.c) */
 static const double most_triangles = 4e6; /* by the area */
 
 /* ---- rounds ---- */
@@ -235,6 +238,62 @@ static bool run_rounds(ss_remesher *r, ss_mesh_remeshing *out)
 
 /* ---- in and out ---- */
 
+static void forget_feature(ss_remesher *r, int32_t id)
+{
+    r->is_feature[id] = r->is_feature[r->mate[id]] = false;
+}
+
+/* Two features that meet at less than ten degrees in one triangle are no edges of a body, but the
+ * sides of a sliver, as filled holes leave them: its normal points anywhere. They would keep it. */
+static void forget_splinters(ss_remesher *r)
+{
+    for (int32_t id = 0; id < 3 * r->triangle_count; ++id) {
+        const int32_t before = ss_last_side(id);
+        double u[3], v[3], across[3];
+        ss_sub3(u, r->x[ss_end_of(r, id)], r->x[ss_start_of(r, id)]);
+        ss_sub3(v, r->x[ss_third_of(r, id)], r->x[ss_start_of(r, id)]);
+        ss_cross3(across, u, v);
+        const double angle = atan2(ss_norm3(across), ss_dot3(u, v));
+        if (r->is_feature[id] && r->is_feature[before] && r->mate[id] >= 0 &&
+            r->mate[before] >= 0 && angle < splinter_deg * SS_PI / 180.0) {
+            forget_feature(r, id);
+            forget_feature(r, before);
+        }
+    }
+}
+
+/* Features that are connected and together shorter than a few edges are bumps, which edges of that
+ * length cannot have; they come of filled holes too. Borders stay. */
+static bool forget_bumps(ss_remesher *r)
+{
+    int32_t *parent = ss_memory_get((size_t)r->node_count, sizeof *parent);
+    double *length = ss_memory_get((size_t)r->node_count, sizeof *length);
+    const bool is_good = parent != NULL && length != NULL;
+    if (is_good) {
+        ss_mesh_union_init(parent, r->node_count);
+    }
+    for (int32_t id = 0; id < 3 * r->triangle_count && is_good; ++id) {
+        if (r->is_feature[id]) {
+            ss_mesh_union_join(parent, ss_start_of(r, id), ss_end_of(r, id));
+        }
+    }
+    for (int32_t id = 0; id < 3 * r->triangle_count && is_good; ++id) {
+        if (r->is_feature[id] && r->mate[id] < id) {
+            length[ss_mesh_union_find(parent, ss_start_of(r, id))] +=
+                r->mate[id] < 0 ? INFINITY
+                                : ss_remesher_length(r, ss_start_of(r, id), ss_end_of(r, id));
+        }
+    }
+    for (int32_t id = 0; id < 3 * r->triangle_count && is_good; ++id) {
+        if (r->is_feature[id] &&
+            length[ss_mesh_union_find(parent, ss_start_of(r, id))] < least_feature * r->edge) {
+            forget_feature(r, id);
+        }
+    }
+    SS_EACH(ss_memory_free, parent, length);
+    return is_good;
+}
+
 static bool take_given(ss_remesher *r, double feature_deg)
 {
     const ss_mesh *m = r->given;
@@ -263,7 +322,8 @@ static bool take_given(ss_remesher *r, double feature_deg)
         }
         r->is_feature[id] = side[1] < 0 || ss_dot3(normal[0], normal[1]) < least;
     }
-    return true;
+    forget_splinters(r);
+    return forget_bumps(r);
 }
 
 static softsim_status give(const ss_remesher *r, ss_mesh **out, softsim_error *error)
