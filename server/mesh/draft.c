@@ -74,8 +74,9 @@ bool ss_draft_make_nodes(ss_draft *d, int64_t count, bool has_tags)
 bool ss_draft_put_node(ss_draft *d, int32_t i, const double x[3])
 {
     ss_scale3(d->position[i], x, d->metres_per_unit);
-    if (!ss_is_finite(d->position[i], 3)) {
-        ss_text_fault(d->text, "node %d: its position is not finite: correct it", i);
+    if (!ss_mesh_is_place(d->position[i])) {
+        ss_text_fault(d->text, "node %d: its position is not finite, or beyond 1e60: correct it",
+                      i);
     }
     return d->text->fault_count < SS_TEXT_MAX_FAULTS;
 }

@@ -4,8 +4,9 @@
  * Holes. The open edges of a surface whose nodes have one fan each form loops, each node once. A
  * small loop is triangulated without new nodes so that the sum of a^2 + b^2 + c^2 over its
  * triangles (sides a, b, c) is least: that is area over quality, 4 sqrt(3) A / (a^2 + b^2 + c^2),
- * of each. By dynamic programming over sub-loops (Barequet & Sharir 1995), O(n^3); no flat
- * triangle, and no edge that the surface has already. What would cross the surface is left open.
+ * of each. By dynamic programming over sub-loops (Barequet & Sharir 1995), O(n^3), n <= 300; no
+ * flat triangle, and no edge that the surface has already. What would cross the surface is left
+ * open.
  *
  * Small: an opening is where a vessel ends or the body was cut, as often as it is a fault. A hole
  * is filled when its area is a small share of its part's and it is not wide, or when a handful of
@@ -269,8 +270,8 @@ static void mark_taken(filler *f)
     }
 }
 
-/* Infinite where it may not be. */
-static double cost_of(const filler *f, int i, int j, int k)
+/* Infinite where it may not be, or is `most` or more. */
+static double cost_of(const filler *f, int i, int j, int k, double most)
 {
     const double *a = f->view.position[f->loop[i]];
     const double *b = f->view.position[f->loop[j]];
@@ -279,6 +280,10 @@ static double cost_of(const filler *f, int i, int j, int k)
     ss_sub3(u, b, a);
     ss_sub3(v, c, b);
     ss_sub3(w, a, c);
+    const double cost = ss_dot3(u, u) + ss_dot3(v, v) + ss_dot3(w, w);
+    if (!(cost < most)) {
+        return INFINITY;
+    }
     ss_cross3(normal, u, v);
     const double h = f->m->mean_edge;
     const double least = 4.0 * SS_MESH_FLAT_AREA * h * h;
@@ -286,7 +291,7 @@ static double cost_of(const filler *f, int i, int j, int k)
         !(0.5 * ss_norm3(normal) > least)) {
         return INFINITY;
     }
-    return ss_dot3(u, u) + ss_dot3(v, v) + ss_dot3(w, w);
+    return cost;
 }
 
 /* Fills in cost and apex; false where there is no way. */
@@ -305,7 +310,9 @@ static bool triangulate(filler *f)
             f->cost[i][k] = INFINITY;
             for (int j = i + 1; j < k; ++j) {
                 const double below = f->cost[i][j] + f->cost[j][k];
-                const double cost = below < f->cost[i][k] ? below + cost_of(f, i, j, k) : INFINITY;
+                const double left =
+                    f->cost[i][k] - below; /* not a number where both are infinite */
+                const double cost = left > 0.0 ? below + cost_of(f, i, j, k, left) : INFINITY;
                 if (cost < f->cost[i][k]) {
                     f->cost[i][k] = cost;
                     f->apex[i][k] = (int16_t)j;
@@ -384,6 +391,28 @@ static bool may_stay(filler *f, int32_t first)
     return (is_narrow || has_few) && !c.is_any;
 }
 
+/* However it is filled: its box is that of its nodes, its area not less than that of the vector of
+ * the loop (Newell). So that the O(n^3) of triangulate is spent on holes that may be small. */
+static bool may_be_small(const filler *f)
+{
+    const part *p = &f->part[f->number[f->loop[0]]];
+    const double *origin = f->view.position[f->loop[0]];
+    double vector[3] = {0.0, 0.0, 0.0}, across[3], diagonal[3];
+    ss_box box;
+    ss_box_init(&box);
+    for (int i = 0; i < f->count; ++i) {
+        double normal[3];
+        ss_normal3(normal, origin, f->view.position[f->loop[i]],
+                   f->view.position[f->loop[(i + 1) % f->count]]);
+        ss_add3(vector, vector, normal);
+        ss_box_add(&box, f->view.position[f->loop[i]]);
+    }
+    ss_sub3(across, box.high, box.low);
+    ss_sub3(diagonal, p->box.high, p->box.low);
+    return f->count <= FEW_EDGES || (0.49 * ss_norm3(vector) <= small_area * p->area &&
+                                     ss_norm3(across) <= small_width * ss_norm3(diagonal));
+}
+
 static bool make_tables(filler *f)
 {
     if (f->cost == NULL) {
@@ -398,6 +427,9 @@ static bool fill_loop(filler *f)
 {
     ss_mend *m = f->m;
     const int32_t before = m->triangle_count;
+    if (!may_be_small(f)) {
+        return true;
+    }
     if (!make_tables(f)) {
         return false;
     }

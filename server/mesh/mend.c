@@ -111,7 +111,7 @@ static bool begin(ss_mend *m, const ss_mesh *mesh, ss_mesh_repairs *done)
         for (int k = 0; k < 3; ++k) {
             const int32_t node = mesh->triangle[t][k];
             is_good = is_good && node >= 0 && node < mesh->node_count &&
-                      ss_is_finite(mesh->position[node], 3);
+                      ss_mesh_is_place(mesh->position[node]);
         }
         if (is_good) {
             memcpy(m->triangle[m->triangle_count], mesh->triangle[t], sizeof m->triangle[0]);

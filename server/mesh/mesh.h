@@ -187,7 +187,8 @@ typedef struct ss_mesh_report {
     ss_mesh_fault non_finite, bad_index, zero_area, duplicate_triangle, loose_node, coincident_node,
         short_edge, non_manifold_edge, open_edge, inconsistent_winding;
     ss_mesh_fault inverted_tetrahedron, flat_tetrahedron;
-    ss_mesh_fault non_manifold_node; /* the triangles around it form more than one fan */
+    ss_mesh_fault overlapping_tetrahedron; /* ss_mesh_mark_overlaps */
+    ss_mesh_fault non_manifold_node;       /* the triangles around it form more than one fan */
     /* Of a volume, whose surface touches itself there; no fault: ss_mesh_pair_sides. */
     ss_mesh_fault pinched_edge, pinched_node;
     ss_mesh_fault duplicate_tetrahedron, crowded_face; /* a face of more than two tetrahedra */
@@ -214,12 +215,17 @@ typedef struct ss_mesh_finding {
     bool is_harmless; /* a scene takes it as it is; others are refused */
     bool is_minor;    /* costs accuracy at most, or ss_mesh_repair mends it without a loss */
 } ss_mesh_finding;
-enum { SS_MESH_MAX_FINDINGS = 20 };
+enum { SS_MESH_MAX_FINDINGS = 21 };
 /* The kinds that have a count above 0; returns how many. They point into `report`. */
 int32_t ss_mesh_list_findings(const ss_mesh *mesh, const ss_mesh_report *report,
                               ss_mesh_finding out[SS_MESH_MAX_FINDINGS]);
 /* The count and first numbers as text: "3 (node 1, 5, 7)". */
 void ss_mesh_print_fault(const ss_mesh_finding *finding, char *out, size_t size);
+
+/* Bodies outside this are a wrong `units` or `scale`, not tissue: their diagonal, m. */
+#define SS_MESH_LEAST_SIZE    1e-7
+#define SS_MESH_GREATEST_SIZE 1e5
+bool ss_mesh_is_size_usable(double diagonal);
 
 /* The verdict for simulation: adds one line per disqualifying fault (with counts and first
  * numbers) to `error`; SOFTSIM_OK or SOFTSIM_ERROR_MESH. Open surfaces and several components
@@ -288,7 +294,7 @@ softsim_status ss_mesh_repair(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_r
                               softsim_error *error);
 /* Tetrahedra on the same side of a face that they share as their neighbour there, or of a face of
  * more than two. False when out of memory. */
-bool ss_mesh_mark_overlaps(const ss_mesh *mesh, bool *out_is_overlapping);
+bool ss_mesh_mark_overlaps(const ss_mesh *mesh, double edge_mean, bool *out_is_overlapping);
 
 /* What ss_mesh_remesh did. */
 typedef struct ss_mesh_remeshing {
@@ -296,6 +302,7 @@ typedef struct ss_mesh_remeshing {
                         other */
     int32_t rounds, undone_rounds;
     int32_t locked_nodes; /* left as they were, for the surface would have come to cross itself */
+    bool is_crossing_complete; /* else not every pair of triangles was looked at */
 } ss_mesh_remeshing;
 /* A surface of triangles of edges of about `edge`, m (remesh.c), on the one given, which must be
  * one that a scene takes and that does not cross itself. Edges sharper than `feature_deg`, the
@@ -361,11 +368,13 @@ softsim_status ss_mesh_add_skin(const ss_mesh *core, const ss_mesh *outer, ss_me
 softsim_status ss_mesh_grow_skin(const ss_mesh *volume, double thickness, ss_mesh **out_mesh,
                                  softsim_error *error);
 
-/* Writers: OBJ of the surface (quads as such), MSH 2.2 of everything, legacy VTK (ASCII) of the
- * tetrahedra, else of the surface, with an array of zeros and ones "group:NAME" for each group.
- * What is read back is the same to the last bit; of OBJ without groups and inner nodes. Written to
- * a temporary file, synced, renamed. */
+/* Writers: OBJ of the surface (quads as such), binary STL of its triangles, MSH 2.2 of everything,
+ * legacy VTK (ASCII) of the tetrahedra, else of the surface, with an array of zeros and ones
+ * "group:NAME" for each group. What is read back is the same to the last bit; of OBJ and STL
+ * without groups and inner nodes, of STL in single precision and with nodes in another order.
+ * Written to a temporary file, synced, renamed. */
 softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_error *error);
+softsim_status ss_mesh_write_stl(const ss_mesh *mesh, const char *path, softsim_error *error);
 softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_error *error);
 softsim_status ss_mesh_write_vtk(const ss_mesh *mesh, const char *path, softsim_error *error);
 /* Some of its triangles (3 corners) and tetrahedra (4), to be looked at: legacy VTK with a number

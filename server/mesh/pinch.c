@@ -22,28 +22,9 @@
  * back; pairing by a walk through the tetrahedra, which the skins of second-order and layered
  * bodies do not have.
  */
-#include "mesh/topology.h"
+#include "mesh/leaves.h"
 #include "rt/each.h"
 #include "rt/memory.h"
-#include "rt/order.h"
-#include "rt/vec.h"
-
-#include <math.h>
-#include <stdlib.h>
-
-/* A triangle about an edge. */
-typedef struct leaf {
-    double angle;
-    int32_t side; /* 3 t + corner */
-    bool ends;    /* a piece of the body */
-} leaf;
-
-static int compare_leaves(const void *left, const void *right)
-{
-    const leaf *a = left, *b = right;
-    const int by_angle = (a->angle > b->angle) - (a->angle < b->angle);
-    return ss_order_then(by_angle, ss_order_int(a->side, b->side));
-}
 
 bool ss_mesh_is_even(const ss_mesh *mesh, const ss_mesh_tuples *edges, int64_t begin, int64_t end)
 {
@@ -54,39 +35,12 @@ bool ss_mesh_is_even(const ss_mesh *mesh, const ss_mesh_tuples *edges, int64_t b
     return 2 * up == end - begin;
 }
 
-/* From `a` to the corner opposite a side. */
-static void find_way(const ss_mesh *mesh, int32_t side, const double a[3], double out[3])
-{
-    ss_sub3(out, mesh->position[mesh->triangle[side / 3][(side + 2) % 3]], a);
-}
-
-/* Angles from the first triangle on. */
-static void list_leaves(const ss_mesh *mesh, const ss_mesh_tuples *edges, int64_t begin,
-                        int64_t end, leaf *out)
-{
-    double axis[3], first[3], second[3], way[3];
-    const double *a = mesh->position[edges->tuple[begin].node[0]];
-    ss_sub3(axis, mesh->position[edges->tuple[begin].node[1]], a);
-    ss_normalize3(axis);
-    find_way(mesh, edges->tuple[begin].id, a, way);
-    ss_madd3(first, way, -ss_dot3(way, axis), axis);
-    ss_normalize3(first);
-    ss_cross3(second, axis, first);
-    for (int64_t i = begin; i < end; ++i) {
-        const int32_t side = edges->tuple[i].id;
-        find_way(mesh, side, a, way);
-        out[i - begin] = (leaf){.angle = atan2(ss_dot3(way, second), ss_dot3(way, first)),
-                                .side = side,
-                                .ends = ss_mesh_edge_is_ascending(mesh, side)};
-    }
-}
-
-/* As many end as start. `open` has room for `count`. */
-static void match_leaves(const leaf *leaves, int32_t count, int32_t *open, int32_t *out_twin)
+/* As many end a piece of the body as start one. `open` has room for `count`. */
+static void match_leaves(const ss_leaf *leaves, int32_t count, int32_t *open, int32_t *out_twin)
 {
     int32_t depth = 0, least = 0, start = 0;
     for (int32_t i = 0; i < count; ++i) {
-        depth += leaves[i].ends ? -1 : 1;
+        depth += leaves[i].is_ascending ? -1 : 1;
         if (depth < least) {
             least = depth;
             start = i + 1;
@@ -94,8 +48,8 @@ static void match_leaves(const leaf *leaves, int32_t count, int32_t *open, int32
     }
     int32_t first = 0, last = 0;
     for (int32_t i = 0; i < count; ++i) {
-        const leaf *l = &leaves[(start + i) % count];
-        if (l->ends) {
+        const ss_leaf *l = &leaves[(start + i) % count];
+        if (l->is_ascending) {
             out_twin[l->side] = open[first];
             out_twin[open[first++]] = l->side;
         } else {
@@ -118,7 +72,7 @@ static int32_t largest_run(const ss_mesh_tuples *edges)
 bool ss_mesh_pair_sides(const ss_mesh *mesh, int32_t *out_twin, int32_t *out_unpaired)
 {
     ss_mesh_tuples edges = {0};
-    leaf *leaves = NULL;
+    ss_leaf *leaves = NULL;
     int32_t *open = NULL;
     *out_unpaired = -1;
     bool is_done = ss_mesh_list_triangle_edges(mesh, &edges);
@@ -139,8 +93,8 @@ bool ss_mesh_pair_sides(const ss_mesh *mesh, int32_t *out_twin, int32_t *out_unp
             out_twin[edge[0].id] = edge[1].id;
             out_twin[edge[1].id] = edge[0].id;
         } else if (is_even) {
-            list_leaves(mesh, &edges, i, end, leaves);
-            qsort(leaves, (size_t)(end - i), sizeof *leaves, compare_leaves);
+            ss_leaf_axis axis;
+            ss_mesh_sort_leaves(mesh, &edges, i, (int32_t)(end - i), &axis, leaves);
             match_leaves(leaves, (int32_t)(end - i), open, out_twin);
         } else if (end - i > 1 && *out_unpaired < 0) {
             *out_unpaired = edge->id;

@@ -3,9 +3,10 @@
 /*
  * A face of many corners as triangles, by clipping ears in the plane across its area vector
  * (Newell): the first corner that turns the right way and has no other corner in its triangle goes.
- * A convex face of n corners looks at n^2/2 points. Where none is an ear, since the face crosses
- * itself or is flat, the next one goes anyway: the count is always n - 2, and the checks of the
- * mesh tell what came out. A fan from one corner was rejected: it folds faces that are not convex.
+ * Only corners that turn the other way can lie in an ear, so that a convex face looks at none.
+ * Where none is an ear, since the face crosses itself or is flat, or when 8 n^2 corners have been
+ * looked at, the next one goes anyway: the count is always n - 2, and the checks of the mesh tell
+ * what came out. A fan from one corner was rejected: it folds faces that are not convex.
  */
 #include "mesh/polygon.h"
 
@@ -49,7 +50,8 @@ static void flatten(const double (*position)[3], const int32_t *node, int count,
     }
 }
 
-static bool is_ear(const flat_point *at, const int *left, int count, int k)
+static bool is_ear(const flat_point *at, const bool *is_reflex, const int *left, int count, int k,
+                   int64_t *inout_looks)
 {
     const flat_point *a = &at[left[(k + count - 1) % count]];
     const flat_point *b = &at[left[k]];
@@ -59,6 +61,10 @@ static bool is_ear(const flat_point *at, const int *left, int count, int k)
     }
     for (int i = 2; i + 1 < count; ++i) {
         const flat_point *p = &at[left[(k + i) % count]];
+        if (!is_reflex[left[(k + i) % count]]) {
+            continue;
+        }
+        --*inout_looks;
         if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) {
             return false;
         }
@@ -72,13 +78,17 @@ void ss_mesh_cut_polygon(const double (*position)[3], const int32_t *node, int c
     flat_point at[SS_POLYGON_CORNERS];
     int left[SS_POLYGON_CORNERS];
     flatten(position, node, count, at);
+    bool is_reflex[SS_POLYGON_CORNERS];
     for (int k = 0; k < count; ++k) {
         left[k] = k;
+        is_reflex[k] = !(turn(&at[(k + count - 1) % count], &at[k], &at[(k + 1) % count]) > 0.0);
     }
+    int64_t looks = 8 * (int64_t)count * count;
     int k = 1;
     for (int size = count; size > 2; --size) {
         int tried = 0;
-        while (tried < size && size > 3 && !is_ear(at, left, size, k % size)) {
+        while (tried < size && size > 3 && looks > 0 &&
+               !is_ear(at, is_reflex, left, size, k % size, &looks)) {
             ++k;
             ++tried;
         }

@@ -41,7 +41,7 @@ static bool is_finite_element(const ss_mesh *mesh, const int32_t *node, int corn
 {
     for (int k = 0; k < corners; ++k) {
         if (node[k] < 0 || node[k] >= mesh->node_count ||
-            !ss_is_finite(mesh->position[node[k]], 3)) {
+            !ss_mesh_is_place(mesh->position[node[k]])) {
             return false;
         }
     }
@@ -367,63 +367,17 @@ static softsim_status mend_elements_of(const ss_mesh *mesh, ss_mesh **out, ss_me
 
 /* ---- elements that overlap ---- */
 
-static double height_sign(const ss_mesh *mesh, const int32_t *face, int32_t node, double least)
-{
-    const double volume = ss_six_volumes3(mesh->position[face[0]], mesh->position[face[1]],
-                                          mesh->position[face[2]], mesh->position[node]) /
-                          6.0;
-    return volume > least ? 1.0 : volume < -least ? -1.0 : 0.0;
-}
-
-bool ss_mesh_mark_overlaps(const ss_mesh *mesh, bool *out_is_overlapping)
-{
-    ss_mesh_tuples faces = {0};
-    ss_mesh_report report;
-    memset(out_is_overlapping, 0, (size_t)mesh->tetrahedron_count * sizeof *out_is_overlapping);
-    if (ss_mesh_check(mesh, &report) != SOFTSIM_OK ||
-        !ss_mesh_list_tetrahedron_faces(mesh, &faces)) {
-        return false;
-    }
-    const double h = report.edge_mean;
-    for (int64_t i = 0; i < faces.count;) {
-        const int64_t end = ss_mesh_run_end(&faces, i);
-        bool is_bad = end - i > 2;
-        if (end - i == 2) {
-            double sign[2];
-            for (int k = 0; k < 2; ++k) {
-                const int32_t id = faces.tuple[i + k].id;
-                sign[k] = height_sign(mesh, faces.tuple[i].node, mesh->tetrahedron[id / 4][id % 4],
-                                      SS_MESH_FLAT_VOLUME * h * h * h);
-            }
-            is_bad = sign[0] * sign[1] > 0.0;
-        }
-        for (int64_t k = i; k < end && is_bad; ++k) {
-            out_is_overlapping[faces.tuple[k].id / 4] = true;
-        }
-        i = end;
-    }
-    ss_mesh_tuples_fini(&faces);
-    return true;
-}
-
 static softsim_status refuse_overlaps(const ss_mesh *mesh, softsim_error *error)
 {
-    bool *is_overlapping = ss_memory_get((size_t)mesh->tetrahedron_count, sizeof *is_overlapping);
-    if (is_overlapping == NULL || !ss_mesh_mark_overlaps(mesh, is_overlapping)) {
-        ss_memory_free(is_overlapping);
+    ss_mesh_report report;
+    if (ss_mesh_check(mesh, &report) != SOFTSIM_OK) {
         return SOFTSIM_ERROR_MEMORY;
     }
-    ss_mesh_fault overlap = {0};
-    for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
-        if (is_overlapping[e]) {
-            ss_mesh_add_fault(&overlap, e);
-        }
-    }
-    ss_memory_free(is_overlapping);
-    if (overlap.count == 0) {
+    const ss_mesh_fault *overlap = &report.overlapping_tetrahedron;
+    if (overlap->count == 0) {
         return SOFTSIM_OK;
     }
-    const double *x = mesh->position[mesh->tetrahedron[overlap.first[0]][0]];
+    const double *x = mesh->position[mesh->tetrahedron[overlap->first[0]][0]];
     softsim_error_add(
         error, SOFTSIM_ERROR_MESH,
         "%lld tetrahedra overlap their neighbours (the first is %d, at %.6g %.6g %.6g "
@@ -431,7 +385,7 @@ static softsim_status refuse_overlaps(const ss_mesh *mesh, softsim_error *error)
         "softsim-mesh convert IN surface.obj; softsim-mesh convert --repair "
         "surface.obj mended.obj; softsim-mesh tetrahedralize mended.obj OUT.msh "
         "--edge-mm N",
-        (long long)overlap.count, overlap.first[0], x[0], x[1], x[2]);
+        (long long)overlap->count, overlap->first[0], x[0], x[1], x[2]);
     return SOFTSIM_ERROR_MESH;
 }
 

@@ -15,12 +15,13 @@
  * rejected: it takes near misses for hits or the other way round.
  */
 #include "mesh/mesh.h"
+#include "mesh/topology.h"
 #include "mesh/tree.h"
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
 #include <float.h>
-#include <string.h>
 
 /* Boxes visited; a closed surface needs about a hundred a triangle. */
 static const int64_t most_visits = 400000000;
@@ -172,6 +173,27 @@ bool ss_mesh_triangles_cross(const ss_mesh *mesh, int32_t s, int32_t t)
 
 /* ---- all pairs ---- */
 
+/* `first`: of each triangle the lowest of those with its nodes. */
+static bool find_first(const ss_mesh *mesh, int32_t *first)
+{
+    ss_mesh_tuples tuples = {0};
+    if (!ss_mesh_list_triangles(mesh, &tuples)) {
+        return false;
+    }
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        first[t] = t;
+    }
+    for (int64_t i = 0; i < tuples.count;) {
+        const int64_t end = ss_mesh_run_end(&tuples, i);
+        for (int64_t k = i; k < end; ++k) {
+            first[tuples.tuple[k].id] = tuples.tuple[i].id;
+        }
+        i = end;
+    }
+    ss_mesh_tuples_fini(&tuples);
+    return true;
+}
+
 typedef struct search {
     const ss_mesh *mesh;
     bool *is_crossing;
@@ -188,24 +210,37 @@ static void try_pair(void *what, int32_t other)
     }
 }
 
+/* Those that are there already cross what the first of them does. */
 bool ss_mesh_mark_crossings(const ss_mesh *mesh, bool *out_is_crossing, bool *out_is_complete)
 {
-    ss_tree tree;
-    if (!ss_tree_init_triangles(&tree, mesh)) {
-        return false;
-    }
-    int64_t visits = most_visits;
-    memset(out_is_crossing, 0, (size_t)mesh->triangle_count * sizeof *out_is_crossing);
-    for (int32_t i = 0; i < mesh->triangle_count; ++i) {
-        ss_box box;
-        search s = {.mesh = mesh, .is_crossing = out_is_crossing, .own = i};
-        if (ss_box_of_triangle(mesh, i, &box)) {
-            ss_tree_visit(&tree, &box, &visits, try_pair, &s);
+    const int32_t count = mesh->triangle_count;
+    ss_tree tree = {0};
+    ss_box *box = ss_memory_get((size_t)count, sizeof *box);
+    int32_t *first = ss_memory_get((size_t)count, sizeof *first);
+    bool is_good = box != NULL && first != NULL && find_first(mesh, first);
+    for (int32_t t = 0; t < count && is_good; ++t) {
+        if (first[t] != t || !ss_box_of_triangle(mesh, t, &box[t])) {
+            ss_box_init(&box[t]);
         }
+    }
+    is_good = is_good && ss_tree_init(&tree, box, count);
+    int64_t visits = most_visits;
+    for (int32_t t = 0; t < count; ++t) {
+        out_is_crossing[t] = false;
+    }
+    for (int32_t t = 0; t < count && is_good; ++t) {
+        search s = {.mesh = mesh, .is_crossing = out_is_crossing, .own = t};
+        if (box[t].low[0] <= box[t].high[0]) {
+            ss_tree_visit(&tree, &box[t], &visits, try_pair, &s);
+        }
+    }
+    for (int32_t t = 0; t < count && is_good; ++t) {
+        out_is_crossing[t] = out_is_crossing[first[t]];
     }
     *out_is_complete = visits > 0;
     ss_tree_fini(&tree);
-    return true;
+    SS_EACH(ss_memory_free, box, first);
+    return is_good;
 }
 
 bool ss_mesh_find_crossings(const ss_mesh *mesh, ss_mesh_fault *out_triangle, bool *out_is_complete)

@@ -16,11 +16,11 @@
  * Generalised winding numbers (Jacobson et al. 2013) were rejected: they need windings that are
  * right.
  */
+#include "mesh/leaves.h"
 #include "mesh/mend.h"
 #include "mesh/tree.h"
 #include "rt/each.h"
 #include "rt/memory.h"
-#include "rt/order.h"
 #include "rt/vec.h"
 
 #include <stdlib.h>
@@ -242,52 +242,12 @@ static bool drop_patches(sheets *s)
 
 /* ---- mates ---- */
 
-typedef struct side {
-    double angle;
-    int32_t id;
-    bool is_ascending;
-    double height; /* of the third node above the edge */
-} side;
-
-static int compare_sides(const void *left, const void *right)
-{
-    const side *a = left, *b = right;
-    return ss_order_then(ss_order_double(a->angle, b->angle), ss_order_int(a->id, b->id));
-}
-
-/* An edge of more than two triangles, its sides sorted by their angle about it. */
+/* An edge of more than two triangles. */
 typedef struct fan {
-    side side[MAX_BUNDLE];
+    ss_leaf side[MAX_BUNDLE];
     int count;
-    double from[3], along[3], first[3], second[3]; /* unit vectors but for `from` */
-    double length;
+    ss_leaf_axis axis;
 } fan;
-
-static void sort_fan(const sheets *s, int64_t begin, int64_t end, fan *f)
-{
-    const int32_t *node = s->edges.tuple[begin].node;
-    f->count = 0;
-    ss_copy3(f->from, s->view.position[node[0]]);
-    ss_sub3(f->along, s->view.position[node[1]], f->from);
-    f->length = ss_normalize3(f->along);
-    for (int64_t i = begin; i < end && f->count < MAX_BUNDLE; ++i) {
-        side *one = &f->side[f->count];
-        one->id = s->edges.tuple[i].id;
-        one->is_ascending = ss_mesh_edge_is_ascending(&s->view, one->id);
-        double to[3];
-        const int32_t third = s->view.triangle[one->id / 3][(one->id % 3 + 2) % 3];
-        ss_sub3(to, s->view.position[third], f->from);
-        ss_madd3(to, to, -ss_dot3(to, f->along), f->along);
-        one->height = ss_normalize3(to);
-        if (f->count++ == 0) {
-            ss_copy3(f->first, to);
-            ss_cross3(f->second, f->along, f->first);
-        }
-        const double angle = atan2(ss_dot3(to, f->second), ss_dot3(to, f->first));
-        one->angle = angle < 0.0 ? angle + 2.0 * SS_PI : angle;
-    }
-    qsort(f->side, (size_t)f->count, sizeof f->side[0], compare_sides);
-}
 
 static double wedge_of(const fan *f, int k)
 {
@@ -298,22 +258,22 @@ static double wedge_of(const fan *f, int k)
 /* How many rays more than half say that the wedge after side k is solid. */
 static int vote(sheets *s, const fan *f, int k)
 {
-    double height = f->length;
+    double height = f->axis.length;
     for (int i = 0; i < f->count; ++i) {
         height = fmin(height, f->side[i].height);
     }
     const double angle = f->side[k].angle + 0.5 * wedge_of(f, k);
     double x[3];
-    ss_madd3(x, f->from, 0.4637 * f->length, f->along);
-    ss_madd3(x, x, 0.01 * height * cos(angle), f->first);
-    ss_madd3(x, x, 0.01 * height * sin(angle), f->second);
+    ss_madd3(x, f->axis.from, 0.4637 * f->axis.length, f->axis.along);
+    ss_madd3(x, x, 0.01 * height * cos(angle), f->axis.first);
+    ss_madd3(x, x, 0.01 * height * sin(angle), f->axis.second);
     return 2 * ss_tree_cast(&s->tree, &s->view, x, &s->visits).odd_count - RAYS;
 }
 
-static void join_sides(sheets *s, const side *a, const side *b)
+static void join_sides(sheets *s, const ss_leaf *a, const ss_leaf *b)
 {
-    s->mate[a->id] = b->id;
-    s->mate[b->id] = a->id;
+    s->mate[a->side] = b->side;
+    s->mate[b->side] = a->side;
 }
 
 /* An even number: sides k and k + 1 for all even or all odd k. The solid lies at growing angles
@@ -343,7 +303,7 @@ static void pair_odd(sheets *s, const fan *f)
         double best_angle = INFINITY;
         for (int a = 0; a < f->count; ++a) {
             for (int b = a + 1; b < f->count; ++b) {
-                if (s->mate[f->side[a].id] >= 0 || s->mate[f->side[b].id] >= 0) {
+                if (s->mate[f->side[a].side] >= 0 || s->mate[f->side[b].side] >= 0) {
                     continue;
                 }
                 const double bend = fabs(f->side[b].angle - f->side[a].angle - SS_PI);
@@ -368,8 +328,8 @@ static void find_mates(sheets *s)
             s->mate[s->edges.tuple[i].id] = s->edges.tuple[i + 1].id;
             s->mate[s->edges.tuple[i + 1].id] = s->edges.tuple[i].id;
         } else if (end - i > 2) {
-            fan f;
-            sort_fan(s, i, end, &f);
+            fan f = {.count = end - i < MAX_BUNDLE ? (int)(end - i) : MAX_BUNDLE};
+            ss_mesh_sort_leaves(&s->view, &s->edges, i, f.count, &f.axis, f.side);
             ss_mesh_add_fault(&s->m->done->parted_edge,
                               ss_mend_node(s->m, s->edges.tuple[i].node[0]));
             (f.count % 2 == 0 ? pair_even : pair_odd)(s, &f);

@@ -22,6 +22,9 @@
 
 /* Flat triangles of longest sides below this, relative to h, become a point. */
 static const double small_triangle = 1e-2;
+/* For each open edge, in the mean: many edges along each other, with many nodes, have as many as
+ * pairs. Those beyond wait for the next round. */
+enum { MOST_JUNCTIONS = 8 };
 
 /* ---- welding ---- */
 
@@ -216,7 +219,8 @@ static void try_edge(void *what, int32_t item)
     ss_madd3(to, to, -share, along);
     const double reach = SS_MEND_REACH * m->mean_edge;
     const double margin = reach / sqrt(length2);
-    if (!(share > margin && share < 1.0 - margin && ss_norm3(to) <= reach)) {
+    const bool is_full = s->found_count >= MOST_JUNCTIONS * s->open_count;
+    if (!(share > margin && share < 1.0 - margin && ss_norm3(to) <= reach) || is_full) {
         return;
     }
     junction *grown = ss_memory_grow(s->found, s->found_count, &s->found_room, sizeof *grown);

@@ -35,6 +35,13 @@ static void sort_nodes(int32_t *node, int count)
     }
 }
 
+bool ss_mesh_is_place(const double x[3])
+{
+    /* false for what is no number */
+    return fabs(x[0]) <= SS_MESH_FARTHEST && fabs(x[1]) <= SS_MESH_FARTHEST &&
+           fabs(x[2]) <= SS_MESH_FARTHEST;
+}
+
 bool ss_mesh_has_good_nodes(const ss_mesh *mesh, const int32_t *node, int count)
 {
     for (int i = 0; i < count; ++i) {

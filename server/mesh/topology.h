@@ -22,6 +22,10 @@ typedef struct ss_mesh_tuples {
     int64_t count;
 } ss_mesh_tuples;
 
+/* Is it finite, and so near that lengths, areas and volumes are? Readers refuse others. */
+#define SS_MESH_FARTHEST 1e60
+bool ss_mesh_is_place(const double x[3]);
+
 bool ss_mesh_has_good_nodes(const ss_mesh *mesh, const int32_t *node, int count);
 
 /* All of these return false when out of memory; release with ss_mesh_tuples_fini. */

@@ -41,7 +41,7 @@ bool ss_box_of_triangle(const ss_mesh *mesh, int32_t t, ss_box *out)
         return false;
     }
     for (int i = 0; i < 3; ++i) {
-        if (!ss_is_finite(mesh->position[node[i]], 3)) {
+        if (!ss_mesh_is_place(mesh->position[node[i]])) {
             ss_box_init(out);
             return false;
         }

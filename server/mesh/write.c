@@ -10,6 +10,7 @@
 #include "mesh/second_order.h"
 #include "rt/files.h"
 #include "rt/memory.h"
+#include "rt/vec.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -138,6 +139,47 @@ softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_
     }
     ss_memory_free(number);
     return status;
+}
+
+/* Little-endian, whatever the machine. */
+static void put_word(FILE *file, uint32_t word)
+{
+    for (int k = 0; k < 4; ++k) {
+        (void)fputc((int)(word >> (8 * k) & 255u), file);
+    }
+}
+
+static void put_single(FILE *file, double value)
+{
+    const float single = (float)value;
+    uint32_t word;
+    memcpy(&word, &single, sizeof word);
+    put_word(file, word);
+}
+
+/* 80 bytes, the count, and of each triangle its normal, corners and two bytes. */
+softsim_status ss_mesh_write_stl(const ss_mesh *mesh, const char *path, softsim_error *error)
+{
+    output out;
+    softsim_status status = open_output(&out, path, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    (void)fprintf(out.file, "%-80s", "binary STL");
+    put_word(out.file, (uint32_t)mesh->triangle_count);
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
+        const int32_t *node = mesh->triangle[t];
+        double normal[3];
+        ss_normal3(normal, mesh->position[node[0]], mesh->position[node[1]],
+                   mesh->position[node[2]]);
+        (void)ss_normalize3(normal);
+        for (int k = 0; k < 12; ++k) {
+            put_single(out.file, k < 3 ? normal[k] : mesh->position[node[k / 3 - 1]][k % 3]);
+        }
+        (void)fputc(0, out.file);
+        (void)fputc(0, out.file);
+    }
+    return close_output(&out);
 }
 
 /* Elements carry one physical group each, but a node may be in any number of groups: groups are

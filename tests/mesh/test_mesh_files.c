@@ -688,7 +688,7 @@ TEST(check_and_info_exit_as_promised)
         {"info mixed.obj", 0, "\ncut_faces   1 of more than three corners"},
         {"generate liver --grid", 2, "--grid means nothing for a liver"},
         {"generate cylinder --rows 1000 --columns 1000000", 2, "--columns"},
-        {"generate plane --out plane.stl", 2, "ends in none of .obj, .msh, .vtk"},
+        {"generate plane --out plane.gltf", 2, "ends in none of .obj, .msh, .vtk, .stl"},
         {"generate plane --out no/such/plane.obj", 1, "cannot write it"},
         {"generate --help", 0, "--size-mm X,Y,Z"},
         {"melt", 2, "'melt' is not one of"},

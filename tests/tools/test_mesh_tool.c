@@ -82,6 +82,22 @@ static const struct {
      "{\"key\": \"inverted_tetrahedron\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
      "\"first\": [1], ",
      "inverted tetrahedra: 1 (tetrahedron 1)"},
+    /* A node drawn through its neighbours, and the tetrahedron there written with a positive
+       volume. */
+    {"through.msh", MSH("5\n" CORNERS "5 .2 .2 .4\n", "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 2 3 5\n"),
+     2,
+     "{\"key\": \"overlapping_tetrahedron\", \"count\": 2, \"status\": 2, \"is_refused\": true, "
+     "\"first\": [0, 1], ",
+     "tetrahedra that overlap their neighbours: 2 (tetrahedron 0, 1)"},
+    {"huge.msh", MSH("4\n1 0 0 0\n2 1e308 0 0\n3 0 1 0\n4 0 0 1\n", "1\n1 4 2 0 1 1 2 3 4\n"), 2,
+     "\"error\": ", "huge.msh:7: node 1: its position is not finite, or beyond 1e60"},
+    {"large.msh", MSH("4\n1 0 0 0\n2 1e30 0 0\n3 0 1e30 0\n4 0 0 1e30\n", "1\n1 4 2 0 1 1 2 3 4\n"),
+     2, "{\"key\": \"size\", \"count\": 1, \"status\": 2, \"is_refused\": true, ",
+     "a size that no scene takes (1e-7 to 1e5 m across)"},
+    {"small.msh",
+     MSH("4\n1 0 0 0\n2 1e-30 0 0\n3 0 1e-30 0\n4 0 0 1e-30\n", "1\n1 4 2 0 1 1 2 3 4\n"), 2,
+     "{\"key\": \"size\", \"count\": 1, \"status\": 2, \"is_refused\": true, ",
+     "a size that no scene takes (1e-7 to 1e5 m across)"},
     {"flat.msh", MSH("5\n" CORNERS "5 1 1 0\n", "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 2 5 3\n"), 2,
      "{\"key\": \"flat_tetrahedron\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
      "\"first\": "
@@ -135,6 +151,7 @@ TEST(lengths_are_the_files_own_unless_units_are_given)
     assert_non_null(strstr(out, "box         0 0 0 to 2 2 2\n"));
     assert_non_null(strstr(out, "volume      1.33333\n"));
     assert_non_null(strstr(out, "taken as 1 mm"));
+    assert_non_null(strstr(out, "the models' figures take it as mm"));
     assert_non_null(strstr(out, "edge        2 least, 2.41421 mean, 2.82843 greatest\n"));
     assert_non_null(strstr(out, "angles      40-50: 3  "));
     assert_int_equal(run(TOOL "check two.obj --units cm", out, sizeof out), 0);
@@ -210,6 +227,67 @@ TEST(formats_and_units_are_converted)
     m = load(in_folder("b.obj"), 1e-3);
     assert_true(m->is_closed);
     ss_mesh_destroy(&m);
+}
+
+/* The volume of a cube whose corners single precision has, by the divergence theorem of what is
+ * read; bytes by the format's own count. */
+TEST(stl_is_written_as_it_is_read)
+{
+    char out[4096];
+    write_text("good.obj", CUBE_V CUBE_F);
+    run_tool("convert good.obj good.stl");
+    assert_int_equal(run("wc -c < good.stl", out, sizeof out), 0);
+    assert_int_equal(atoi(out), 80 + 4 + 12 * 50);
+    ss_mesh *m = load(in_folder("good.stl"), 1.0);
+    ss_mesh_report r;
+    assert_int_equal(ss_mesh_check(m, &r), SOFTSIM_OK);
+    assert_true(m->is_closed && m->node_count == 8 && m->triangle_count == 12);
+    assert_near(r.volume, 1.0, 1e-12);
+    ss_mesh_destroy(&m);
+    /* A third is no single: what is mended is judged as it will be read. */
+    write_text("third.obj", "v 0 0 0\nv .333333333333 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n"
+                            "f 1 4 3\nf 2 3 4\n");
+    run_tool("convert --repair third.obj third.stl");
+    run_tool("check third.stl");
+}
+
+/* Of the table above. */
+TEST(repair_writes_nothing_that_check_refuses)
+{
+    static const char *const names[] = {"through.msh", "large.msh", "small.msh", "huge.msh"};
+    char command[256], out[8192];
+    for (int32_t i = 0; i < COUNT(names); ++i) {
+        (void)snprintf(command, sizeof command,
+                       "rm -f no.msh; " TOOL
+                       "check %s >/dev/null 2>&1; test $? = 2 || exit 9; " TOOL
+                       "convert --repair %s no.msh",
+                       names[i], names[i]);
+        if (run(command, out, sizeof out) != 2 || access(in_folder("no.msh"), F_OK) == 0) {
+            fail_msg("%s: %s", names[i], out);
+        }
+    }
+}
+
+/* 50,000 copies of one face took all the looks that the search for crossings has. */
+TEST(faces_that_are_there_many_times_cost_no_more_than_once)
+{
+    enum { COPIES = 50000 };
+    FILE *file = fopen(in_folder("copies.msh"), "w");
+    assert_non_null(file);
+    (void)fprintf(file,
+                  "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n" CORNERS
+                  "$EndNodes\n$Elements\n%d\n1 2 2 0 1 1 3 2\n2 2 2 0 1 1 4 3\n"
+                  "3 2 2 0 1 2 3 4\n",
+                  COPIES + 3);
+    for (int i = 0; i < COPIES; ++i) {
+        (void)fprintf(file, "%d 2 2 0 1 1 2 4\n", i + 4);
+    }
+    (void)fprintf(file, "$EndElements\n");
+    assert_int_equal(fclose(file), 0);
+    char out[8192];
+    assert_int_equal(run(TOOL "check copies.msh", out, sizeof out), 2);
+    assert_non_null(strstr(out, "triangles that are there already: 49999"));
+    assert_null(strstr(out, "too many triangles lie about each other"));
 }
 
 TEST(the_order_of_tetrahedra_is_told_and_changed)
@@ -337,7 +415,7 @@ TEST(the_input_is_replaced_only_when_asked)
         {"convert mine.obj mine.obj", 2, "'mine.obj' is the input"},
         {"convert mine.obj ./mine.obj", 2, "is the input"},
         {"convert mine.obj mine.obj --overwrite", 0, "mine.obj: 8 nodes"},
-        {"convert mine.obj mine.stl", 2, "ends in none of .obj, .msh, .vtk"},
+        {"convert mine.obj mine.gltf", 2, "ends in none of .obj, .msh, .vtk, .stl"},
         {"convert mine.obj x.msh --to-units m", 2, "give --units too"},
         {"convert mine.obj no/such.msh", 1, "cannot write it"},
         {"convert mine.obj", 2, "usage"},

@@ -186,6 +186,47 @@ TEST_WITH(tissues_are_listed_with_their_sources, make_folder, remove_folder)
     }
 }
 
+TEST_WITH(holes_are_told, make_folder, remove_folder)
+{
+    run_tool("generate cylinder --radius-m 0.03 --length-m 0.1 --out tube.obj");
+    assert_int_equal(
+        run(TOOL "scene tube.obj --tissue skin --from +x --out s.yaml", out, sizeof out), 0);
+    assert_non_null(strstr(out, "tube.obj has holes (48 open edges)"));
+    run_tool("generate kidney --points 120 --out kidney.obj");
+    assert_int_equal(run(TOOL "scene kidney.obj --tissue kidney --out k.yaml", out, sizeof out), 0);
+    assert_null(strstr(out, "has holes ("));
+}
+
+/* A group's name goes into the scene's quotes; the server counts the same nodes. */
+TEST_WITH(names_of_groups_are_quoted, make_folder, remove_folder)
+{
+    run_tool("generate block --tetrahedra --size-mm 80,80,40 --points 120 --out block.msh");
+    assert_int_equal(
+        run("sed 's/\"bottom\"/\"a\\\\b: #{c}\"/' block.msh > odd.msh", out, sizeof out), 0);
+    assert_int_equal(run(TOOL "scene odd.msh --tissue liver --model cnn-energy --out o.yaml "
+                              "--fixed 'a\\b: #{c}'",
+                         out, sizeof out),
+                     0);
+    const int held = (int)number_after(out, "held: ");
+    assert_true(held > 0);
+    (void)run(BIN_DIR "/softsimd o.yaml --check", text, sizeof text);
+    assert_int_equal((int)number_after(text, "o.yaml: fixed: "), held);
+}
+
+/* Stopped when its draft is there: the draft goes. */
+TEST_WITH(a_signal_leaves_nothing_behind, make_folder, remove_folder)
+{
+    run_tool("generate liver --tetrahedra --points 300 --out liver.msh");
+    assert_int_equal(run("{ " TOOL "scene liver.msh --tissue liver --out l.yaml & pid=$!; "
+                         "until ls l.yaml.*.tmp || ! kill -0 $pid; do :; done; "
+                         "kill -TERM $pid; wait $pid; echo status $?; ls; }",
+                         out, sizeof out),
+                     0);
+    assert_non_null(strstr(out, "status 143\n"));
+    const char *listed = strstr(out, "status 143\n");
+    assert_true(strstr(listed, ".tmp") == NULL && strstr(listed, "l.yaml") == NULL);
+}
+
 /* ---- hostile arguments ---- */
 
 TEST_WITH(bad_arguments_are_named_and_write_nothing, make_folder, remove_folder)
@@ -218,7 +259,9 @@ TEST_WITH(bad_arguments_are_named_and_write_nothing, make_folder, remove_folder)
          "radius_m: "
          "1}}'",
          2, "takes no node"},
-        {"scene k.obj --tissue liver --units m --tool-mm 5 --out o.yaml --fixed \"$(printf '{a: "
+        {"scene k.obj --tissue liver --units m --out o.yaml", 2,
+         "--units: in m its longest side has "},
+        {"scene k.obj --tissue liver --tool-mm 5 --out o.yaml --fixed \"$(printf '{a: "
          "\\n')\"",
          2, "o.yaml:"},
     };

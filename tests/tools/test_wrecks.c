@@ -457,6 +457,20 @@ static void through_neighbours(wreck *w)
     w->x[21][0] += 1.7; /* of the inner eight */
 }
 
+/* The same, each tetrahedron written with a positive volume, as many programs do. */
+static void through_and_turned(wreck *w)
+{
+    through_neighbours(w);
+    for (int32_t e = 0; e < w->tetrahedra; ++e) {
+        int32_t *node = w->tetrahedron[e];
+        const int32_t second = node[1];
+        if (ss_six_volumes3(w->x[node[0]], w->x[node[1]], w->x[node[2]], w->x[node[3]]) < 0.0) {
+            node[1] = node[2];
+            node[2] = second;
+        }
+    }
+}
+
 static void crowded(wreck *w)
 {
     int32_t *node = w->tetrahedron[w->tetrahedra++];
@@ -571,6 +585,8 @@ static const wreck_row rows[] = {
     {"flat.msh", block, flat_element, MENDED, 1, 0, 27, "flat elements dropped: 1"},
     {"loose-volume.msh", block, loose, MENDED, 1, 0, 27, "loose nodes dropped: 2"},
     {"through.msh", block, through_neighbours, REFUSED, 0, 0, 0,
+     "overlap their neighbours (the first is "},
+    {"through-turned.msh", block, through_and_turned, REFUSED, 0, 0, 0,
      "overlap their neighbours (the first is "},
     {"crowded.msh", block, crowded, REFUSED, 0, 0, 0, "overlap their neighbours"},
 };

@@ -27,13 +27,19 @@ int end_command(int exit_code, const softsim_error *error);
 
 /* "mm|cm|dm|m" for the option --units, and metres per unit by its index. */
 #define UNITS "mm|cm|dm|m"
+enum { UNIT_COUNT = 4 };
 double metres_per_unit(int index);
 const char *unit_name(int index);
+/* Would a scene take a body of this size? `is_metric`: the report is in metres, else in one of the
+ * units above. */
+bool is_usable_size(const ss_mesh_report *report, bool is_metric);
 
 /* Does the name of `path` end like a format that there is a writer for, and that keeps
  * tetrahedra where there are some? `option` is what gave the path, for the error. */
 bool can_write_mesh(const char *path, const char *option, bool has_tetrahedra,
                     softsim_error *error);
+/* Does that format keep positions in single precision only? After can_write_mesh. */
+bool is_rounded_by(const char *path);
 /* Writes in that format, whole or not at all; only after can_write_mesh. */
 softsim_status write_mesh(const ss_mesh *mesh, const char *path, softsim_error *error);
 /* "PATH: 9 nodes, 20 tetrahedra of dihedral angles from 45.0 to 90.0 degrees, in mm", one line;

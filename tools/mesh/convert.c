@@ -103,6 +103,13 @@ static softsim_status judge(const conversion *c, const ss_mesh *mesh, softsim_er
     } else {
         softsim_error_add(error, status, "%s: out of memory", c->path[0]);
     }
+    if (status == SOFTSIM_OK && !is_usable_size(&f.report, false)) {
+        status = SOFTSIM_ERROR_MESH;
+        softsim_error_add(error, status,
+                          "%s: in no unit from mm to m has it a size that a scene takes (1e-7 to "
+                          "1e5 m across): scale it",
+                          c->path[0]);
+    }
     if (status == SOFTSIM_OK && (f.row_count > 0 || f.report.is_inside_out)) {
         status = SOFTSIM_ERROR_MESH;
         softsim_error_add(error, status,
@@ -129,6 +136,11 @@ static softsim_status mend(const conversion *c, ss_mesh **inout_mesh, softsim_er
     }
     ss_mesh_destroy(inout_mesh);
     *inout_mesh = mended;
+    for (int32_t i = 0; i < mended->node_count && is_rounded_by(c->path[1]); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            mended->position[i][k] = (double)(float)mended->position[i][k];
+        }
+    }
     return judge(c, mended, error);
 }
 

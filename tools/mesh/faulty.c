@@ -31,8 +31,8 @@ bool faulty_find(faulty *f, const ss_mesh *mesh)
     if (f->is_crossing == NULL || f->is_at_hole == NULL || f->is_overlapping == NULL ||
         !ss_mesh_mark_crossings(mesh, f->is_crossing, &f->is_crossing_complete) ||
         !ss_mesh_mark_open(mesh, f->is_at_hole) || !ss_mesh_find_holes(mesh, &f->hole) ||
-        !ss_mesh_mark_overlaps(mesh, f->is_overlapping) ||
-        ss_mesh_check(mesh, &f->report) != SOFTSIM_OK) {
+        ss_mesh_check(mesh, &f->report) != SOFTSIM_OK ||
+        !ss_mesh_mark_overlaps(mesh, f->report.edge_mean, f->is_overlapping)) {
         return false;
     }
     const int32_t count = ss_mesh_list_findings(mesh, &f->report, f->row);
@@ -42,7 +42,6 @@ bool faulty_find(faulty *f, const ss_mesh *mesh)
         }
     }
     count_marks(f->is_crossing, mesh->triangle_count, &f->crossing);
-    count_marks(f->is_overlapping, mesh->tetrahedron_count, &f->overlap);
     return true;
 }
 

@@ -11,7 +11,7 @@ typedef struct faulty {
     const ss_mesh *mesh;
     /* Of each triangle of the surface, and of each tetrahedron: what is wrong with it. */
     bool *is_crossing, *is_overlapping, *is_at_hole;
-    ss_mesh_fault crossing, overlap, hole;
+    ss_mesh_fault crossing, hole;
     bool is_crossing_complete;
     ss_mesh_report report;
     ss_mesh_finding row[SS_MESH_MAX_FINDINGS]; /* of what a scene refuses */

@@ -2,6 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "findings.h"
 
+#include "command.h"
+
 #include "rt/plain.h"
 #include "rt/progress.h"
 
@@ -33,7 +35,8 @@ static const char *sliver_remedy(const ss_mesh *m)
                  "them out";
 }
 
-/* Those that ss_mesh_check has no row for; all of them leave a mesh usable, or mendable. */
+/* Those that ss_mesh_check has no row for; but for its size they leave a mesh usable, or mendable.
+ */
 static void add_own_rows(findings *f)
 {
     const ss_mesh *m = f->mesh;
@@ -48,6 +51,18 @@ static void add_own_rows(findings *f)
     }
     add_row(f, &f->inside_out, "inside_out", "the surface is wound inside out", "", "flip it",
             false);
+    f->size.count = !is_usable_size(&f->report, f->is_metric);
+    if (f->size.count > 0) {
+        f->row[f->row_count++] =
+            (ss_mesh_finding){"size",
+                              &f->size,
+                              "a size that no scene takes (1e-7 to 1e5 m across)",
+                              "",
+                              f->is_metric ? "give other --units, or scale it"
+                                           : "scale it: it has that in no unit from mm to m",
+                              false,
+                              false};
+    }
     add_row(f, &f->hole, "hole", "holes", "at node", "close them if the body has a volume", true);
     add_row(f, &f->part, "component", "separate parts", "", "forces do not pass between them",
             true);
@@ -154,7 +169,10 @@ static void print_measures(const findings *f)
                      1e-6 * (double)f->bytes_kept, 1e-6 * (double)f->bytes_at_most);
     }
     (void)printf("surface     %s\n", m->is_closed ? "closed" : "open");
-    (void)printf("unit        %s\n", f->is_metric ? "m" : "the file's own (--units gives metres)");
+    (void)printf("unit        %s\n", f->is_metric  ? "m"
+                                     : f->is_check ? "the file's own (--units gives metres; the "
+                                                     "models' figures take it as mm)"
+                                                   : "the file's own (--units gives metres)");
     (void)printf("box         %g %g %g to %g %g %g\n", r->box_min[0], r->box_min[1], r->box_min[2],
                  r->box_max[0], r->box_max[1], r->box_max[2]);
     (void)printf("area        %g\n", r->area);
@@ -202,7 +220,7 @@ static void print_row(const findings *f, const ss_mesh_finding *row)
     } else {
         (void)snprintf(numbers, sizeof numbers, "%lld", (long long)row->fault->count);
     }
-    const bool is_counted = row->fault != &f->inside_out;
+    const bool is_counted = row->fault != &f->inside_out && row->fault != &f->size;
     (void)fprintf(row->is_minor ? stdout : stderr, "%s%s: %s%s%s: %s\n",
                   row->is_minor ? "warning: " : "softsim-mesh: ", f->path, row->what,
                   is_counted ? ": " : "", is_counted ? numbers : "", row->remedy);
@@ -334,6 +352,7 @@ void findings_print_json(const findings *f)
         print_json_rows(f);
         (void)printf(", \"material\": ");
         ss_plain_json(stdout, cost_material);
+        (void)printf(", \"models_unit\": \"%s\"", f->is_metric ? "m" : "mm");
     } else {
         print_number("loading_s", f->loading_s);
         print_number("bytes_kept", (double)f->bytes_kept);

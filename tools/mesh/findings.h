@@ -19,7 +19,7 @@ typedef struct findings {
     int64_t bytes_kept, bytes_at_most; /* of the mesh, and while it was read (the importer's not) */
     /* Of check alone. */
     bool is_check;
-    ss_mesh_fault hole, crossing, part, inside_out, joined, unused, skipped;
+    ss_mesh_fault hole, crossing, part, inside_out, size, joined, unused, skipped;
     bool is_crossing_complete;
     ss_mesh_finding row[SS_MESH_MAX_FINDINGS + 8];
     int32_t row_count;

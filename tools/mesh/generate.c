@@ -326,7 +326,8 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
         SS_FLAG("--grid", &q->keeps_quads, "cylinder, plane: as quads, not as triangles"),
         SS_CHOICE("--units", &q->units, UNITS, "of the file (mm; cylinder, plane: m)"),
         SS_TEXT("--out", &q->out, "FILE",
-                ".obj, .msh or .vtk (SHAPE.obj; with tetrahedra SHAPE.msh); .obj has no groups"),
+                ".obj, .stl, .msh or .vtk (SHAPE.obj; with tetrahedra SHAPE.msh); .obj and .stl "
+                "have no groups"),
     };
     char about[1024];
     describe(about, sizeof about);

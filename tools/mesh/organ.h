@@ -20,6 +20,7 @@ typedef struct organ {
     double low[3], high[3], diagonal, edge; /* of the surface: box, diagonal, mean edge */
     double volume, area;
     bool is_closed, has_volume;
+    int64_t open_edges;
 
     const tissue *tissue;
     const ss_model_class *model;
@@ -44,6 +45,8 @@ typedef struct organ {
 
 /* The constants of the model, a line each as they stand under `model:`. */
 void organ_write_model(FILE *out, const organ *o);
+/* In the double quotes of YAML. */
+void organ_write_quoted(FILE *out, const char *text);
 /* The whole scene; `is_draft`: without what is known only once it was loaded and pressed. */
 void organ_write(FILE *out, const organ *o, bool is_draft);
 

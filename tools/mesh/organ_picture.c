@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "leftover.h"
 #include "output.h"
 #include "rt/order.h"
 #include "rt/vec.h"
@@ -67,7 +68,44 @@ static void widen(canvas *c, const double x[3], double margin)
     }
 }
 
-static void put_faces(FILE *file, const ss_touch_body *body, const canvas *c, ss_keyed *order)
+static void put_face(FILE *file, const ss_touch_body *body, const canvas *c, int32_t t)
+{
+    const int32_t *n = body->triangle[t];
+    const bool is_fixed =
+        body->fixed[n[0]] != 0 && body->fixed[n[1]] != 0 && body->fixed[n[2]] != 0;
+    const uint32_t colour = is_fixed ? fixed_colour : free_colour;
+    double normal[3], p[2];
+    ss_normal3(normal, body->position[n[0]], body->position[n[1]], body->position[n[2]]);
+    ss_normalize3(normal);
+    const double light =
+        0.45 + 0.55 * fmax(0.0, 0.8 * ss_dot3(normal, c->eye) + 0.35 * ss_dot3(normal, c->up));
+    uint32_t shaded = 0;
+    for (int k = 16; k >= 0; k -= 8) {
+        shaded |= (uint32_t)fmin(255.0, light * (double)(colour >> k & 255u)) << k;
+    }
+    (void)fprintf(file, "set object polygon from ");
+    for (int k = 0; k < 4; ++k) {
+        flatten(c, body->position[n[k % 3]], p);
+        (void)fprintf(file, "%s%.5g,%.5g", k > 0 ? " to " : "", p[0], p[1]);
+    }
+    (void)fprintf(file, " fc rgb '#%06x' fs solid border lc rgb '#%06x' lw 0.3\n", shaded,
+                  shaded - (shaded >> 3 & 0x1f1f1fu));
+}
+
+static void put_held_node(FILE *file, const ss_touch_body *body, const canvas *c, int32_t i,
+                          double size)
+{
+    double p[2];
+    flatten(c, body->position[i], p);
+    (void)fprintf(file,
+                  "set object circle at %.5g,%.5g size %.5g fs solid noborder fc rgb '#%06x'\n",
+                  p[0], p[1], size, fixed_colour);
+}
+
+/* Faces that look this way, and held nodes of the surface, from far to near: the body hides what is
+ * behind it. `order` has room for both; a node i is -1 - i there. */
+static void put_body(FILE *file, const ss_touch_body *body, const canvas *c, ss_keyed *order,
+                     double size)
 {
     int32_t count = 0;
     for (int32_t t = 0; t < body->triangle_count; ++t) {
@@ -75,7 +113,11 @@ static void put_faces(FILE *file, const ss_touch_body *body, const canvas *c, ss
         const int32_t *n = body->triangle[t];
         ss_normal3(normal, body->position[n[0]], body->position[n[1]], body->position[n[2]]);
         for (int k = 0; k < 3; ++k) {
-            depth += ss_dot3(body->position[n[k]], c->eye);
+            const double own = ss_dot3(body->position[n[k]], c->eye);
+            depth += own / 3.0;
+            if (body->fixed[n[k]] != 0) {
+                order[count++] = (ss_keyed){own, -1 - n[k]};
+            }
         }
         if (ss_dot3(normal, c->eye) > 0.0) {
             order[count++] = (ss_keyed){depth, t};
@@ -83,40 +125,11 @@ static void put_faces(FILE *file, const ss_touch_body *body, const canvas *c, ss
     }
     qsort(order, (size_t)count, sizeof *order, ss_compare_keyed);
     for (int32_t i = 0; i < count; ++i) {
-        const int32_t *n = body->triangle[order[i].index];
-        const bool is_fixed =
-            body->fixed[n[0]] != 0 && body->fixed[n[1]] != 0 && body->fixed[n[2]] != 0;
-        const uint32_t colour = is_fixed ? fixed_colour : free_colour;
-        double normal[3], p[2];
-        ss_normal3(normal, body->position[n[0]], body->position[n[1]], body->position[n[2]]);
-        ss_normalize3(normal);
-        const double light =
-            0.45 + 0.55 * fmax(0.0, 0.8 * ss_dot3(normal, c->eye) + 0.35 * ss_dot3(normal, c->up));
-        uint32_t shaded = 0;
-        for (int k = 16; k >= 0; k -= 8) {
-            shaded |= (uint32_t)fmin(255.0, light * (double)(colour >> k & 255u)) << k;
-        }
-        (void)fprintf(file, "set object polygon from ");
-        for (int k = 0; k < 4; ++k) {
-            flatten(c, body->position[n[k % 3]], p);
-            (void)fprintf(file, "%s%.5g,%.5g", k > 0 ? " to " : "", p[0], p[1]);
-        }
-        (void)fprintf(file, " fc rgb '#%06x' fs solid border lc rgb '#%06x' lw 0.3\n", shaded,
-                      shaded - (shaded >> 3 & 0x1f1f1fu));
-    }
-}
-
-/* What is held, seen through the body: it is on the far side as a rule. */
-static void put_held(FILE *file, const ss_touch_body *body, const canvas *c, double size)
-{
-    for (int32_t i = 0; i < body->node_count; ++i) {
-        double p[2];
-        if (body->fixed[i] != 0) {
-            flatten(c, body->position[i], p);
-            (void)fprintf(file,
-                          "set object circle at %.5g,%.5g size %.5g front fs solid noborder fc rgb "
-                          "'#%06x'\n",
-                          p[0], p[1], size, fixed_colour);
+        const bool is_again = i > 0 && order[i].index == order[i - 1].index;
+        if (order[i].index >= 0) {
+            put_face(file, body, c, order[i].index);
+        } else if (!is_again) {
+            put_held_node(file, body, c, -1 - order[i].index, size);
         }
     }
 }
@@ -166,8 +179,7 @@ static void put_script(FILE *file, const organ *o, const ss_touch_body *body, ss
         WIDTH, (int)fmin(2.0 * WIDTH, fmax(200.0, WIDTH * height / width)), width, low - margin,
         high + margin);
     for (int v = 0; v < VIEWS; ++v) {
-        put_faces(file, body, &c[v], order);
-        put_held(file, body, &c[v], 0.003 * width);
+        put_body(file, body, &c[v], order, 0.003 * width);
         put_tool(file, o, &c[v]);
     }
     (void)fprintf(
@@ -215,16 +227,18 @@ softsim_status organ_draw(const organ *o, const ss_touch_body *body, const char 
 {
     ss_output picture = {0};
     FILE *script = tmpfile();
-    ss_keyed *order = calloc((size_t)body->triangle_count + 1, sizeof *order);
+    ss_keyed *order = calloc(4 * (size_t)body->triangle_count + 1, sizeof *order);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     if (script != NULL && order != NULL) {
         status = ss_output_open(&picture, path, error);
     }
     if (status == SOFTSIM_OK) {
+        leftover_watch(picture.temporary);
         put_script(script, o, body, order);
         const bool is_written = fflush(script) == 0 && fseek(script, 0, SEEK_SET) == 0;
         status = is_written ? run_gnuplot(script, &picture, error) : SOFTSIM_ERROR_FILE;
     }
+    leftover_forget(picture.temporary);
     if (status == SOFTSIM_OK) {
         status = ss_output_commit(&picture, error);
     } else if (error->fault_count == 0) {

@@ -28,6 +28,19 @@ void organ_write_model(FILE *out, const organ *o)
     }
 }
 
+void organ_write_quoted(FILE *out, const char *text)
+{
+    (void)fputc('"', out);
+    for (const unsigned char *c = (const unsigned char *)text; *c != '\0'; ++c) {
+        if (*c < 0x20 || *c == 0x7f) {
+            (void)fprintf(out, "\\x%02x", *c);
+        } else {
+            (void)fprintf(out, *c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
+        }
+    }
+    (void)fputc('"', out);
+}
+
 static void write_head(FILE *out, const organ *o)
 {
     const trial_result *t = &o->trial;
@@ -65,11 +78,9 @@ static void write_head(FILE *out, const organ *o)
 
 static void write_object(FILE *out, const organ *o, bool is_draft)
 {
-    (void)fprintf(out, "object:\n  mesh: \"");
-    for (const char *c = o->mesh_name; *c != '\0'; ++c) {
-        (void)fprintf(out, *c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
-    }
-    (void)fprintf(out, "\"\n  units: %s  # %s\n", o->unit, o->unit_words);
+    (void)fprintf(out, "object:\n  mesh: ");
+    organ_write_quoted(out, o->mesh_name);
+    (void)fprintf(out, "\n  units: %s  # %s\n", o->unit, o->unit_words);
     if (o->is_repaired) {
         (void)fprintf(out, "  repair: true\n");
     }

@@ -8,6 +8,7 @@
 #include "rt/files.h"
 #include "rt/memory.h"
 #include "rt/plain.h"
+#include "rt/vec.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -46,6 +47,18 @@ const char *unit_name(int index)
     return names[index];
 }
 
+bool is_usable_size(const ss_mesh_report *report, bool is_metric)
+{
+    double diagonal[3];
+    ss_sub3(diagonal, report->box_max, report->box_min);
+    const double size = ss_norm3(diagonal);
+    bool is_usable = is_metric && ss_mesh_is_size_usable(size);
+    for (int unit = 0; unit < UNIT_COUNT && !is_metric; ++unit) {
+        is_usable = is_usable || ss_mesh_is_size_usable(size * metres_per_unit(unit));
+    }
+    return is_usable;
+}
+
 static const struct {
     const char *end;
     bool has_tetrahedra;
@@ -54,6 +67,7 @@ static const struct {
     {".obj", false, ss_mesh_write_obj},
     {".msh", true, ss_mesh_write_msh},
     {".vtk", true, ss_mesh_write_vtk},
+    {".stl", false, ss_mesh_write_stl},
 };
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
 
@@ -81,7 +95,7 @@ bool can_write_mesh(const char *path, const char *option, bool has_tetrahedra, s
     }
     if (format < 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "%s: '%s' ends in none of .obj, .msh, .vtk", option, path);
+                          "%s: '%s' ends in none of .obj, .msh, .vtk, .stl", option, path);
         return false;
     }
     if (has_tetrahedra && !formats[format].has_tetrahedra) {
@@ -91,6 +105,11 @@ bool can_write_mesh(const char *path, const char *option, bool has_tetrahedra, s
         return false;
     }
     return true;
+}
+
+bool is_rounded_by(const char *path)
+{
+    return formats[find_format(path)].write == ss_mesh_write_stl;
 }
 
 softsim_status write_mesh(const ss_mesh *mesh, const char *path, softsim_error *error)

@@ -97,6 +97,13 @@ static int remesh(const void *what, softsim_error *error)
                        "have come to cross itself: give a shorter edge\n",
                        q->path[1], done.undone_rounds, done.locked_nodes);
     }
+    if (result == 0 && !done.is_crossing_complete) {
+        ss_plain_print(
+            stdout,
+            "warning: %s: too many triangles lie about each other to look at every pair: "
+            "there may be some that cross\n",
+            q->path[1]);
+    }
     ss_mesh_destroy(&mesh);
     ss_mesh_destroy(&even);
     return result;

@@ -22,6 +22,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "leftover.h"
 #include "organ.h"
 #include "output.h"
 #include "rt/files.h"
@@ -32,6 +33,7 @@
 
 enum { SCALINGS = 4, MAX_MODELS = 4 };
 static const double ORGAN_LOW_M = 0.02, ORGAN_HIGH_M = 0.30, ORGAN_USUAL_M = 0.12;
+static const double LEAST_MM = 2.0, GREATEST_MM = 2e4; /* for tools and models, of --units */
 static const double HELD_SHARE = 0.15;   /* of the body's height, away from the hand */
 static const double TOOL_SHARE = 0.05;   /* its radius, of the body's diagonal */
 static const double FINGERTIP_M = 0.01;  /* and not larger, but for that */
@@ -180,6 +182,14 @@ static softsim_status choose_unit(const request *q, ss_mesh *mesh, organ *o, sof
             high[0] - low[0], high[1] - low[1], high[2] - low[2], size_mm, other >= 0 ? "; " : "",
             other >= 0 ? unit_name(other) : "", other >= 0 ? " would do too: --units" : "");
     }
+    if (size_mm < LEAST_MM || size_mm > GREATEST_MM) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_ARGUMENT,
+            "--units: in %s its longest side has %.4g mm, and a tissue's scene has %g to %g: give "
+            "another, or leave it out",
+            unit_name(unit), size_mm, LEAST_MM, GREATEST_MM);
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
     o->unit = unit_name(unit);
     o->unit_words = words;
     ss_mesh_transform(mesh, metres_per_unit(unit), still, still);
@@ -194,6 +204,7 @@ static void measure(const ss_mesh *mesh, organ *o)
         ss_copy3(o->high, report.box_max);
         o->volume = fabs(report.volume);
         o->area = report.area;
+        o->open_edges = report.open_edge.count;
     }
     o->diagonal = ss_mesh_diagonal(mesh);
     o->edge = ss_mesh_mean_side((const double(*)[3])mesh->position,
@@ -248,11 +259,28 @@ static softsim_status check_fixed(const request *q, const organ *o, softsim_erro
     return SOFTSIM_ERROR_ARGUMENT;
 }
 
+/* As an entry of `fixed`: names may hold anything that ends neither a file's line nor its quotes.
+ */
+static void name_group(const char *name, char *out, size_t size)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
+    if (stream != NULL) {
+        (void)fprintf(stream, "{group: ");
+        organ_write_quoted(stream, name);
+        (void)fprintf(stream, "}");
+        (void)fclose(stream);
+    }
+    (void)snprintf(out, size, "%s", text != NULL ? text : "");
+    free(text);
+}
+
 static void choose_fixed(const request *q, const ss_mesh *mesh, organ *o)
 {
     for (int32_t g = 0; g < mesh->group_count; ++g) {
         if (strcmp(mesh->group[g].name, q->fixed) == 0) {
-            (void)snprintf(o->fixed, sizeof o->fixed, "{group: \"%s\"}", q->fixed);
+            name_group(q->fixed, o->fixed, sizeof o->fixed);
             return;
         }
     }
@@ -571,6 +599,13 @@ static void warn_of(const request *q, const organ *o)
                        "or a mesh of another size\n",
                        q->out, softsim_verdict_name(t->verdict), t->reason);
     }
+    if (!o->is_closed && !o->has_volume) {
+        ss_plain_print(stderr,
+                       "softsim-mesh: warning: %s: %s has holes (%lld open edges): it is felt as a "
+                       "sheet, without a volume; close them if the body should have one: "
+                       "softsim-mesh convert --repair fills small ones\n",
+                       q->out, q->mesh, (long long)o->open_edges);
+    }
     if (o->step_cost_us > 0.5e6 * o->step_s || t->step_us > t->period_us) {
         ss_plain_print(
             stderr,
@@ -661,6 +696,12 @@ static softsim_status choose_model(const request *q, ss_output *output, organ *o
     return status;
 }
 
+static softsim_status commit(ss_output *output, softsim_error *error)
+{
+    leftover_forget(output->temporary);
+    return ss_output_commit(output, error);
+}
+
 /* What was written, once more as a server will read it: what is doubtful is told, and it is drawn.
  */
 static softsim_status finish(const request *q, ss_output *output, const organ *o,
@@ -678,7 +719,7 @@ static softsim_status finish(const request *q, ss_output *output, const organ *o
     const softsim_status status =
         q->preview != NULL ? organ_draw(o, &body, q->preview, error) : SOFTSIM_OK;
     softsim_destroy(&world);
-    return status == SOFTSIM_OK ? ss_output_commit(output, error) : status;
+    return status == SOFTSIM_OK ? commit(output, error) : status;
 }
 
 static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, organ *o,
@@ -713,6 +754,9 @@ static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, o
     choose_fixed(q, mesh, o);
     status = check_fixed(q, o, error);
     status = status == SOFTSIM_OK ? ss_output_open(output, q->out, error) : status;
+    if (status == SOFTSIM_OK) {
+        leftover_watch(output->temporary);
+    }
     status = status == SOFTSIM_OK ? choose_model(q, output, o, error) : status;
     status = status == SOFTSIM_OK ? write_text(output, o, false, error) : status;
     return status == SOFTSIM_OK ? finish(q, output, o, error) : status;
@@ -736,6 +780,7 @@ static int write_scene(const void *what, softsim_error *error)
     softsim_status status = load(q, &o, &mesh, error);
     status = status == SOFTSIM_OK ? make(q, mesh, &output, &o, error) : status;
     ss_progress_end();
+    leftover_forget(output.temporary);
     ss_output_abandon(&output);
     ss_mesh_destroy(&mesh);
     if (status != SOFTSIM_OK) {
