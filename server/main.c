@@ -101,11 +101,14 @@ int main(int argc, char **argv)
                          &exit_code)) {
         return ss_program_finish(argv[0], exit_code);
     }
+    const bool is_served = !options.check && !options.explain && !options.print_config;
+    const bool is_real_time = is_served && !options.lockstep;
     const ss_world_options world_options = {.scene_path = options.scene_path,
                                             .set = options.set.value,
                                             .set_count = options.set.count,
                                             .threads = (int32_t)options.threads,
                                             .is_lockstep = options.lockstep,
+                                            .yardstick = is_real_time ? SS_YARDSTICK_MEASURED : 0.0,
                                             .has_budget = !options.lockstep};
     ss_world *world = NULL;
     ss_program_drop_capabilities(true);
@@ -136,7 +139,12 @@ int main(int argc, char **argv)
         ss_world_scene_models(models);
         ss_scene_print(world->scene, &models[world->scene->model_index], print_line, stdout);
     }
-    if (!options.check && !options.explain && !options.print_config) {
+    if (is_served) {
+        if (world->yardstick > 0.0 && options.log_level >= SS_LOG_INFO) {
+            fprintf(stderr,
+                    "softsimd: simulation at %.6g Hz; a step takes %.2f of the counted cost\n",
+                    1.0 / world->step_period, world->yardstick);
+        }
         block_signals();
         ss_program_drop_capabilities(false);
         const softsim_status status = ss_loops_run(world, &options, &error);

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # The tests, all of them: sets up a fresh Debian 12, builds and runs the suite in release, with
 # address and undefined-behaviour sanitizers, with the thread sanitizer (what has threads), and in
-# double precision (what computes); checks all sources with clang's warnings; runs each fuzzer for
-# a few seconds; checks layers and layout.
+# double precision (what computes); builds two of the models alone; checks all sources with clang's
+# warnings; runs each fuzzer for a few seconds; checks layers and layout.
 #   tools/test.sh [--quick | --long]
 #     --quick: release only
 #     --long:  every test in every build at its full size, which release runs already but for the
-#              longest, and under every check of undefined behaviour; all of it built with clang
-#              too, and a minute for each fuzzer
+#              longest, and under every check of undefined behaviour; every model alone; all of it
+#              built with clang too, and a minute for each fuzzer
 set -euo pipefail
 cd "$(dirname "$0")/.."
 quick="" long="" fuzz_s=2 all_checks=OFF
@@ -54,6 +54,8 @@ tools/check_style
 build_and_test dev all
 build_and_test tsan threads -L threads
 if [ -n "$long" ]; then build_and_test scalar all; else build_and_test scalar numbers -L numbers; fi
+say "single models"
+tools/single_models.sh ${long:+all}
 say "fuzz"
 tests/fuzz/run.sh $fuzz_s $all_checks
 say "clang: warnings"

@@ -48,6 +48,9 @@
     ARRAY(int64_t, probe_missed, SOFTSIM_MAX_PROBES, "probe", "missed @d")                         \
     SCALAR(double, uptime_s, "up", "@1 s")                                                         \
     SCALAR(double, simulation_rate_hz, "simulation", "@1 Hz") /* done, over the last second */     \
+    /* that the plan chose; what a step took at start over what was counted, 0 not looked at */     \
+    SCALAR(double, chosen_rate_hz, "simulation", "of @1 Hz")                                       \
+    SCALAR(double, yardstick, "simulation", "yardstick @2")                                        \
     SCALAR(double, stable_step_s, "simulation", "stable step @l")                                  \
     /* thread CPU time of a step; lateness of the haptic loop; both of the last 10 s */            \
     ARRAY(double, step_us, 3, "step time", "p50 @0  p99 @0  max @0 us")                            \

@@ -24,49 +24,6 @@ typedef struct placed {
     double scale;       /* 1/m */
 } placed;
 
-static double sign_of(double x)
-{
-    return x < 0.0 ? -1.0 : 1.0;
-}
-
-/* The point of the shape furthest along `direction`, in its own frame. */
-void ss_shape_support(const ss_shape *shape, const double direction[3], double out[3])
-{
-    double n[3];
-    ss_copy3(n, direction);
-    ss_normalize3(n);
-    const double flat = hypot(n[0], n[1]);
-    const double rim[2] = {flat > 0.0 ? n[0] / flat : 1.0, flat > 0.0 ? n[1] / flat : 0.0};
-    const double up = sign_of(n[2]);
-    const double *e = shape->half_extent;
-    ss_set3(out, 0.0, 0.0, 0.0);
-    switch (shape->kind) {
-    case SS_SHAPE_SPHERE:
-        ss_scale3(out, n, shape->radius);
-        break;
-    case SS_SHAPE_CAPSULE:
-        ss_scale3(out, n, shape->radius);
-        out[2] += up * shape->half_length;
-        break;
-    case SS_SHAPE_BOX:
-        ss_set3(out, sign_of(n[0]) * e[0], sign_of(n[1]) * e[1], up * e[2]);
-        break;
-    case SS_SHAPE_CYLINDER:
-        ss_set3(out, shape->radius * rim[0], shape->radius * rim[1], up * shape->half_length);
-        break;
-    case SS_SHAPE_CONE:
-        if (2.0 * shape->half_length * n[2] > shape->radius * flat) {
-            ss_set3(out, 0.0, 0.0, shape->half_length);
-        } else {
-            ss_set3(out, shape->radius * rim[0], shape->radius * rim[1], -shape->half_length);
-        }
-        break;
-    case SS_SHAPE_CONVEX:
-        ss_convex_support(shape->convex, n, out);
-        break;
-    }
-}
-
 static void world_support(const placed *object, const double direction[3], double out[3])
 {
     double local_direction[3], local[3];

@@ -123,6 +123,8 @@ static softsim_server_status describe(const ss_loops *loops)
         .wire_dropped = ss_net_dropped(loops->net),
         .uptime_s = 1e-6 * (double)(utime_us - loops->prefix_owner.start_us),
         .simulation_rate_hz = atomic_load_explicit(&loops->rate_hz, memory_order_relaxed),
+        .chosen_rate_hz = 1.0 / world->step_period,
+        .yardstick = world->yardstick,
         .stable_step_s = info->stable_step,
         .kinetic_j = info->kinetic,
         .elastic_j = info->elastic,

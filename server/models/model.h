@@ -55,6 +55,7 @@ typedef struct ss_model_plan {
     int32_t contact_parts;          /* as ss_surface_create takes it; 0: chosen */
     double max_force;               /* N, the haptic limit: for the penetration warning */
     double step;                    /* s, the outer step the world intends */
+    double yardstick;               /* a step takes that much of its counted cost; 0: as counted */
     int32_t max_substeps;           /* that a step may take */
     int32_t substep_budget; /* simulation.max_substeps, whether a step is held to it or not: what
                                is planned is the same in real time and without a clock; 0: as

@@ -12,6 +12,7 @@
 #include "contact/touch.h"
 #include "rt/note.h"
 #include "rt/vec.h"
+#include "world/plan.h"
 #include "world/world.h"
 
 enum { ALL_AXES = 7 };
@@ -129,37 +130,49 @@ void ss_world_doubt(const ss_world *world, const ss_notes *out)
 
 /* ---- what a new scene's author asks first ---- */
 
-/* How a simulated hand gets to the tissue, from the first side that it can come from. */
-static void advise_hand(const ss_world *world, const ss_notes *out)
+bool ss_world_find_touch(const ss_world *world, int32_t *out_probe, int *out_side, ss_touch *out)
 {
     const ss_scene *scene = world->scene;
     int32_t p = 0;
     while (p < SOFTSIM_MAX_PROBES && !scene->tool[p].is_used) {
         ++p;
     }
+    *out_probe = p;
     if (p == SOFTSIM_MAX_PROBES) {
-        return;
+        return false;
     }
     const ss_touch_body body = {scene->mesh->node_count, scene->mesh->triangle_count,
                                 (const double(*)[3])scene->mesh->position,
                                 (const int32_t(*)[3])scene->mesh->triangle, scene->fixed};
     const ss_touch_end end = ss_touch_end_of(&scene->tool[p].shape);
     for (int s = 0; s < SS_TOUCH_SIDES; ++s) {
-        const ss_touch_side *side = &ss_touch_sides[s];
-        ss_touch touch;
-        if (ss_touch_find(&body, side->towards, &end, &touch)) {
-            char probe[24] = "";
-            if (p > 0) {
-                (void)snprintf(probe, sizeof probe, " --probe %d", p);
-            }
-            ss_note_used(out, "tissue",
-                         "from %s: softsim-bridge --device sim%s%s%s --offset-m %.4f,%.4f,%.4f",
-                         side->name, probe, s > 0 ? " --axes " : "", s > 0 ? side->axes : "",
-                         touch.origin[0], touch.origin[1], touch.origin[2]);
-            return;
+        if (ss_touch_find(&body, ss_touch_sides[s].towards, &end, out)) {
+            *out_side = s;
+            return true;
         }
     }
-    ss_note_used(out, "tissue", "no side has free and level tissue to press; is too much held?");
+    return false;
+}
+
+/* How a simulated hand gets to the tissue, from the first side that it can come from. */
+static void advise_hand(const ss_world *world, const ss_notes *out)
+{
+    int32_t p = 0;
+    int s = 0;
+    ss_touch touch;
+    if (ss_world_find_touch(world, &p, &s, &touch)) {
+        char probe[24] = "";
+        if (p > 0) {
+            (void)snprintf(probe, sizeof probe, " --probe %d", p);
+        }
+        ss_note_used(
+            out, "tissue", "from %s: softsim-bridge --device sim%s%s%s --offset-m %.4f,%.4f,%.4f",
+            ss_touch_sides[s].name, probe, s > 0 ? " --axes " : "",
+            s > 0 ? ss_touch_sides[s].axes : "", touch.origin[0], touch.origin[1], touch.origin[2]);
+    } else if (p < SOFTSIM_MAX_PROBES) {
+        ss_note_used(out, "tissue",
+                     "no side has free and level tissue to press; is too much held?");
+    }
 }
 
 void ss_world_advise(const ss_world *world, const ss_notes *out)

@@ -77,7 +77,9 @@ static void explain_loops(const ss_world *world, const ss_notes *out)
     ss_note_used(out, "simulation",
                  "every %d haptic period%s, %.6g Hz (%s; estimated %.3g us a step)",
                  world->step_ticks, world->step_ticks == 1 ? "" : "s", 1.0 / world->step_period,
-                 scene->simulation_rate_hz > 0.0 ? "as given" : "chosen from counted work",
+                 scene->simulation_rate_hz > 0.0
+                     ? "as given"
+                     : "chosen from counted work; in real time by steps timed at start",
                  world->step_cost_us);
     if (world->used_probes) {
         ss_note_used(out, "cost of contact",

@@ -15,13 +15,7 @@
 #include "rt/thread.h"
 #include "rt/vec.h"
 
-/*
- * From a scene to a world that is ready: everything is planned and allocated here, nothing later.
- *
- * The simulation rate. `auto` takes the least m in 1, 2, 4, 5, 8, 10, 16, 20, ... for which the
- * model's estimated cost of a step (from counts and a built-in cost, never from a clock) is at
- * most half of m T, so that equal scenes run at equal rates on every machine. A given rate is
- * rounded to a whole number of ticks, since in lockstep a result is due after exactly m of them.
+/* From a scene to a world that is ready: everything is planned and allocated here, nothing later.
  */
 
 enum {
@@ -32,7 +26,6 @@ enum {
     COMMAND_RING = 2048,
     UNTIMED_SUBSTEPS = 100000 /* the most that simulation.max_substeps takes; beyond, a verdict */
 };
-static const double COST_SHARE = 0.5;
 static const double FULL_STEP_S = 0.004; /* of simulation.max_substeps */
 static const double SLOWEST_STEP = 0.2;  /* s: two of them, and a result is too old to be felt */
 
@@ -48,21 +41,6 @@ int32_t ss_world_scene_models(ss_scene_model out_models[SS_MAX_MODELS])
                                          .takes_second_order = table[i]->takes_second_order};
     }
     return count;
-}
-
-static int32_t choose_step_ticks(const ss_scene *scene, double period, double cost_us)
-{
-    static const int32_t steps[] = {1, 2, 4, 5, 8, 10, 16, 20, 25, 40, 50, 100};
-    if (scene->simulation_rate_hz > 0.0) {
-        const double ticks = round(1.0 / (scene->simulation_rate_hz * period));
-        return ticks < 1.0 ? 1 : (int32_t)ticks;
-    }
-    for (size_t i = 0; i < sizeof steps / sizeof *steps; ++i) {
-        if (cost_us <= COST_SHARE * steps[i] * period * 1e6) {
-            return steps[i];
-        }
-    }
-    return steps[sizeof steps / sizeof *steps - 1];
 }
 
 static softsim_status plan_prescribed(ss_world *world)
@@ -123,6 +101,7 @@ ss_model_plan ss_world_plan(const ss_world *world)
                           .grasp_max_force = scene->grasp_max_force_n,
                           .max_force = scene->max_force_n,
                           .step = world->step_period,
+                          .yardstick = world->planned_yardstick,
                           .max_substeps = world->has_budget ? budget : UNTIMED_SUBSTEPS,
                           .substep_budget = budget,
                           .threads = world->threads};
@@ -134,25 +113,39 @@ ss_model_plan ss_world_plan(const ss_world *world)
     return plan;
 }
 
-static softsim_status build_model(ss_world *world, double step_s, softsim_error *error)
+/* A model for the step that was chosen. */
+static softsim_status make_model(ss_world *world, softsim_error *error)
+{
+    const ss_model_plan plan = ss_world_plan(world);
+    softsim_error fault = {.status = SOFTSIM_OK};
+    const softsim_status status = ss_model_create(world->model_class, &plan, &world->model, &fault);
+    pass_on(world->scene->path, &fault, error);
+    return status;
+}
+
+static softsim_status build_model(ss_world *world, const ss_world_options *options,
+                                  softsim_error *error)
 {
     const ss_scene *scene = world->scene;
-    ss_model_plan plan = ss_world_plan(world);
-    world->step_cost_us = world->model_class->step_cost_us(&plan);
-    world->period = step_s > 0.0 ? step_s : 1.0 / scene->haptic_rate_hz;
-    world->step_ticks =
-        step_s > 0.0 ? 1 : choose_step_ticks(scene, world->period, world->step_cost_us);
-    world->step_period = world->step_ticks * world->period;
-    plan = ss_world_plan(world); /* for that step */
-    world->step_cost_us = world->model_class->step_cost_us(&plan);
-    softsim_error fault = {.status = SOFTSIM_OK};
+    ss_world_rate_by_counts(world, options->step_s);
     ss_progress_part("setting up %s on %d nodes", world->model_class->name,
                      scene->mesh->node_count);
-    const softsim_status status = ss_model_create(world->model_class, &plan, &world->model, &fault);
-    pass_on(scene->path, &fault, error);
+    softsim_status status = make_model(world, error);
+    if (status == SOFTSIM_OK && options->yardstick != 0.0 && !(scene->simulation_rate_hz > 0.0)) {
+        const int32_t counted = world->step_ticks;
+        world->yardstick =
+            options->yardstick > 0.0 ? options->yardstick : ss_world_measure_yardstick(world);
+        ss_world_rate_by_yardstick(world);
+        if (world->step_ticks != counted || world->planned_yardstick > 0.0) {
+            world->model_class->destroy(world->model);
+            world->model = NULL;
+            status = make_model(world, error);
+        }
+    }
     if (status != SOFTSIM_OK || scene->sleep == SS_SCENE_SLEEP_OFF) {
         return status;
     }
+    const ss_model_plan plan = ss_world_plan(world);
     world->sleep = ss_sleep_create(world->model_class, world->model, &plan);
     return world->sleep ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
@@ -435,7 +428,7 @@ softsim_status ss_world_create(const ss_world_options *options, ss_world **out_w
         status = check_grasp(world, error);
     }
     if (status == SOFTSIM_OK) {
-        status = build_model(world, options->step_s, error);
+        status = build_model(world, options, error);
     }
     if (status == SOFTSIM_OK) {
         status = build_probes(world, options->is_lockstep, error);

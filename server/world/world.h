@@ -132,11 +132,13 @@ typedef struct ss_world {
     ss_world_probe probe[SOFTSIM_MAX_PROBES];
     uint8_t used_probes;
     int32_t threads;
-    bool has_budget;     /* of sub-steps, by simulation.max_substeps */
-    double period;       /* s, T */
-    int32_t step_ticks;  /* m */
-    double step_period;  /* s, h = m T */
-    double step_cost_us; /* estimated */
+    bool has_budget;          /* of sub-steps, by simulation.max_substeps */
+    double period;            /* s, T */
+    int32_t step_ticks;       /* m */
+    double step_period;       /* s, h = m T */
+    double step_cost_us;      /* estimated */
+    double yardstick;         /* what a step took here over that, rate.c; 0: not looked at */
+    double planned_yardstick; /* that, where the model plans by it; 0: it plans by counts */
     uint64_t plan_hash;
     ss_prescribed *prescribed;
     ss_drawn drawn;              /* the surface that is published */
@@ -189,6 +191,8 @@ typedef struct ss_world {
     struct ss_step_worker *worker;
 } ss_world;
 
+#define SS_YARDSTICK_MEASURED (-1.0)
+
 typedef struct ss_world_options {
     const char *scene_path;
     const char *const *set;
@@ -196,8 +200,10 @@ typedef struct ss_world_options {
     int32_t threads;
     double step_s; /* 0: the scene's rates */
     bool is_lockstep;
-    bool has_budget; /* max_substeps limits a step; without a clock to meet nothing but a bound on
-                      * the loop does */
+    double yardstick; /* real time, a rate that the scene leaves open: scales the counted cost; 0:
+                       * not, SS_YARDSTICK_MEASURED: by steps that are timed */
+    bool has_budget;  /* max_substeps limits a step; without a clock to meet nothing but a bound on
+                       * the loop does */
     const char *import_program;
 } ss_world_options;
 

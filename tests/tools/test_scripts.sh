@@ -24,6 +24,7 @@ expect 2 "--seconds needs a whole number" tools/demo.sh --seconds ten
 expect 2 "unknown argument '--fast'" tools/demo.sh --fast
 expect 2 "unknown argument '--fast'" tools/test.sh --fast
 expect 2 "one argument too many" tools/test.sh --quick --quick
+expect 2 "'none' is no model; there are" tools/single_models.sh fem none
 expect 2 "unknown set 'everything'" tools/setup.sh everything
 # Reports draw with gnuplot; a fresh machine must get it with what builds them.
 if ! grep -q '^build=' tools/setup.sh || ! sed -n '/^build=/,/"$/p' tools/setup.sh | grep gnuplot-nox >/dev/null; then
@@ -57,7 +58,7 @@ for script in demo test; do
     bad=1
   fi
 done
-for script in demo test setup own_builds lcm-spy; do
+for script in demo test setup own_builds single_models lcm-spy; do
   expect 0 "tools/$script.sh" tools/$script.sh --help
   if tools/$script.sh --help | grep -E '^(#|set -)' >/dev/null; then
     echo "tools/$script.sh --help prints its source" >&2

@@ -51,7 +51,7 @@ static double substep_cost_us(const ss_model_plan *plan)
 double ss_chain_planned_substep(const ss_model_plan *plan)
 {
     const double budget = plan->substep_budget > 0 ? plan->substep_budget : plan->max_substeps;
-    const double cost = substep_cost_us(plan) / SUBSTEP_SHARE;
+    const double cost = ss_plan_yardstick(plan) * substep_cost_us(plan) / SUBSTEP_SHARE;
     const double count = fmin(floor(1e6 * USUAL_STEP / cost), MOST_SUBSTEPS);
     const double wanted = count >= 1.0 ? USUAL_STEP / count : 1e-6 * cost;
     return fmax(wanted, plan->step / budget);

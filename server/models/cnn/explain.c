@@ -115,7 +115,8 @@ static double contact_substeps(const ss_model_plan *plan)
 {
     double contact = 0.0, substep = 0.0;
     const double rest = free_cost_us(plan, &contact, &substep);
-    const double room_us = CONTACT_TIME_SHARE * 1e6 * plan->step - rest - contact;
+    const double room_us =
+        CONTACT_TIME_SHARE * 1e6 * plan->step / ss_plan_yardstick(plan) - rest - contact;
     const double affordable = substep > 0.0 ? 1.0 + room_us / substep : (double)INFINITY;
     const double budget = plan->substep_budget > 0 ? plan->substep_budget : plan->max_substeps;
     const double most = CONTACT_BUDGET_SHARE * budget;

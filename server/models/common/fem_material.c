@@ -156,9 +156,11 @@ double ss_fem_node_rate(const ss_mesh *mesh, const ss_fem_material *material)
     return sqrt(largest);
 }
 
-double ss_fem_planned_sweeps(const ss_fem_material *material, double rate, double share)
+double ss_fem_planned_sweeps(const ss_fem_material *material, double step, double rate,
+                             double share)
 {
-    const double step = ss_body_step_limit(material->integrator, rate * rate,
-                                           material->viscous_time, material->mass_damping);
-    return (material->integrator == SS_BODY_RK4 ? 4.0 : 1.0) * fmax(1.0, 1e-3 / (share * step));
+    const double stable = ss_body_step_limit(material->integrator, rate * rate,
+                                             material->viscous_time, material->mass_damping);
+    return (material->integrator == SS_BODY_RK4 ? 4.0 : 1.0) *
+           fmax(1.0, (step > 0.0 ? step : 1e-3) / (share * stable));
 }

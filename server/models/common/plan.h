@@ -72,6 +72,12 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
 softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char *name,
                                           int32_t which, ss_arena *arena, int32_t **out_triangle,
                                           int32_t *out_count, softsim_error *error);
+/* What a step takes of its counted cost, where the plan knows, else 1: for who plans as much work
+ * as there is time for. */
+static inline double ss_plan_yardstick(const ss_model_plan *plan)
+{
+    return plan->yardstick > 0.0 ? plan->yardstick : 1.0;
+}
 int32_t ss_plan_tool_count(const ss_model_plan *plan);
 /* The largest sphere within the smallest tool's shape: its radius, m; infinite without a tool. */
 double ss_plan_smallest_tool(const ss_model_plan *plan);

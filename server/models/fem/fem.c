@@ -46,7 +46,7 @@ static double step_cost_us(const ss_model_plan *plan)
         const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0) +
                                (material.is_averaged ? COST_CURE : 0.0);
         const double sweeps = ss_fem_planned_sweeps(
-            &material, ss_fem_node_rate(plan->mesh, &material), SS_FEM_STEP_SHARE);
+            &material, plan->step, ss_fem_node_rate(plan->mesh, &material), SS_FEM_STEP_SHARE);
         cost += sweeps * element * plan->mesh->tetrahedron_count;
     }
     ss_arena_free(&arena);

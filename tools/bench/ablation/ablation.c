@@ -67,7 +67,7 @@ static const omission omissions[] = {
      "  window_tolerance: 0\n", SILENT, SILENT, LOAD},
     {"columns, without a tool", "cnn-energy", true, 2000, CNN_SURFACE, "", "", SILENT,
      SILENT SPHERE, NOTHING},
-    {"libccd, with a sphere", "cnn-energy", true, 2000, CNN_SURFACE, "", "", SILENT SPHERE,
+    {"convex mesh, with a sphere", "cnn-energy", true, 2000, CNN_SURFACE, "", "", SILENT SPHERE,
      SILENT CONVEX, TOOL},
     {"the network's own time", "cnn-energy", true, 2000, CNN_SURFACE, "",
      "  solver: relaxation\n  relaxation_steps: 100\n", SILENT, SILENT, LOAD},

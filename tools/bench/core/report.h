@@ -16,7 +16,7 @@
 #include "output.h"
 #include "softsim/types.h"
 
-enum { SS_PAGE_MAX_CELLS = 16 };
+enum { SS_PAGE_MAX_CELLS = 18 };
 
 typedef struct ss_page {
     const char *folder;

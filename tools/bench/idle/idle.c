@@ -22,7 +22,14 @@
 #include "rt/args.h"
 #include "rt/clock.h"
 
-enum { PATH_SIZE = 4096, MAX_SCENES = 64, PHASES = 3, THREADS = 5, NAME_SIZE = 64 };
+enum {
+    PATH_SIZE = 4096,
+    MAX_SCENES = 64,
+    PHASES = 3,
+    THREADS = 5,
+    NAME_SIZE = 64,
+    NUMBERS = THREADS + 8
+};
 static const char *const phase_name[PHASES] = {"idle", "free", "resting"};
 static const char *const thread_name[THREADS] = {"net", "simulation", "haptic", "publish", "main"};
 static const double settle_s[PHASES] = {3.0, 3.0, 8.0};
@@ -34,6 +41,8 @@ typedef struct row {
     double seconds, cpu, thread[THREADS], bare; /* per cent of one core */
     double bytes_per_s, rest_bytes_per_s;       /* on the wire; beyond rounds, poses and forces */
     double force;                               /* N */
+    double chosen_hz, slowest_hz, yardstick;    /* the rate of the simulation */
+    softsim_verdict verdict;                    /* the worst */
     int32_t active_nodes;
     const char *note;
 } row;
@@ -128,6 +137,10 @@ static void measure(const report *r, const ss_child *server, ss_idle_hand *hand,
     out->rest_bytes_per_s = (double)(bytes - (last.round_bytes - first.round_bytes)) / out->seconds;
     out->force = last.force;
     out->active_nodes = last.active_nodes;
+    out->chosen_hz = last.chosen_hz;
+    out->slowest_hz = last.slowest_hz;
+    out->yardstick = last.yardstick;
+    out->verdict = (softsim_verdict)last.worst_verdict;
 }
 
 static bool wait_for_surface(ss_idle_hand *hand)
@@ -164,10 +177,13 @@ static void measure_phases(report *r, const char *name, const ss_child *server, 
         measure(r, server, hand, out);
         printf(
             "%-22s %-8s %6.2f %% (bare loop %.2f %%)  net %.2f simulation %.2f haptic %.2f publish "
-            "%.2f main %.2f; %.0f B/s, %.0f beyond rounds; %.3g N, %d nodes active %s\n",
+            "%.2f main %.2f; %.0f B/s, %.0f beyond rounds; %.3g N, %d nodes active; %.4g Hz "
+            "chosen, "
+            "%.4g reached, yardstick %.2f, %s %s\n",
             name, phase_name[phase], out->cpu, out->bare, out->thread[0], out->thread[1],
             out->thread[2], out->thread[3], out->thread[4], out->bytes_per_s, out->rest_bytes_per_s,
-            out->force, out->active_nodes, out->note);
+            out->force, out->active_nodes, out->chosen_hz, out->slowest_hz, out->yardstick,
+            softsim_verdict_name(out->verdict), out->note);
         fflush(stdout);
     }
 }
@@ -273,7 +289,7 @@ static void choose_scenes(report *r)
 
 /* ---- the report ---- */
 
-static void list_numbers(const row *out, double number[THREADS + 5])
+static void list_numbers(const row *out, double number[NUMBERS])
 {
     number[0] = out->cpu;
     number[1] = out->bare;
@@ -281,6 +297,9 @@ static void list_numbers(const row *out, double number[THREADS + 5])
     number[THREADS + 2] = out->bytes_per_s;
     number[THREADS + 3] = out->rest_bytes_per_s;
     number[THREADS + 4] = out->force;
+    number[THREADS + 5] = out->chosen_hz;
+    number[THREADS + 6] = out->slowest_hz;
+    number[THREADS + 7] = out->yardstick;
 }
 
 static softsim_status write_csv(const report *r, softsim_error *error)
@@ -290,20 +309,20 @@ static softsim_status write_csv(const report *r, softsim_error *error)
         &csv, r->out, "idle",
         "scene,phase,seconds,cpu_percent,bare_percent,net_percent,simulation_percent,"
         "haptic_percent,publish_percent,main_percent,bytes_per_s,beyond_rounds_bytes_per_s,force_n,"
-        "active_nodes,note",
+        "chosen_rate_hz,slowest_rate_hz,yardstick,active_nodes,verdict,note",
         error);
     if (status != SOFTSIM_OK) {
         return status;
     }
     for (int32_t i = 0; i < r->row_count; ++i) {
         const row *out = &r->rows[i];
-        double number[THREADS + 5];
+        double number[NUMBERS];
         list_numbers(out, number);
         fprintf(csv.file, "%s,%s,%.3g", out->scene, phase_name[out->phase], out->seconds);
-        for (int k = 0; k < THREADS + 5; ++k) {
+        for (int k = 0; k < NUMBERS; ++k) {
             fprintf(csv.file, ",%.4g", number[k]);
         }
-        fprintf(csv.file, ",%d,", out->active_nodes);
+        fprintf(csv.file, ",%d,%s,", out->active_nodes, softsim_verdict_name(out->verdict));
         ss_csv_text(csv.file, out->note);
         fputc('\n', csv.file);
     }
@@ -312,9 +331,10 @@ static softsim_status write_csv(const report *r, softsim_error *error)
 
 static softsim_status write_page(const report *r, softsim_error *error)
 {
-    static const char *const head[] = {"scene",      "phase",  "CPU %",   "bare %", "net",
-                                       "simulation", "haptic", "publish", "main",   "B/s",
-                                       "beyond",     "N",      "active",  "note"};
+    static const char *const head[] = {
+        "scene",     "phase",      "CPU %",     "bare %", "net",     "simulation",
+        "haptic",    "publish",    "main",      "B/s",    "beyond",  "N",
+        "chosen Hz", "slowest Hz", "yardstick", "active", "verdict", "note"};
     ss_page page;
     ss_yardstick yardstick;
     softsim_status status = ss_page_open(&page, r->out, "idle", "softsim: idle", error);
@@ -327,20 +347,23 @@ static softsim_status write_page(const report *r, softsim_error *error)
         "came), free (a probe circles in the air at 1 kHz), resting (it has pressed with "
         "0.3 N and stands still). Per cent of one core, whole and by thread, beside a bare "
         "1 kHz loop of the same time. Bytes: of messages on the wire; beyond: what is "
-        "neither status, scene, topology, pose nor force.",
+        "neither status, scene, topology, pose nor force. The rate that the server chose, the "
+        "slowest of "
+        "a second, and what a step took at start over what was counted.",
         r->seconds);
-    ss_page_table_begin(&page, 14, head);
+    ss_page_table_begin(&page, 18, head);
     for (int32_t i = 0; i < r->row_count; ++i) {
         const row *out = &r->rows[i];
-        double number[THREADS + 5];
+        double number[NUMBERS];
         list_numbers(out, number);
         ss_row cells = {.count = 0};
         ss_row_add(&cells, "%s", out->scene);
         ss_row_add(&cells, "%s", phase_name[out->phase]);
-        for (int k = 0; k < THREADS + 5; ++k) {
+        for (int k = 0; k < NUMBERS; ++k) {
             ss_row_add(&cells, "%.3g", number[k]);
         }
         ss_row_add(&cells, "%d", out->active_nodes);
+        ss_row_add(&cells, "%s", softsim_verdict_name(out->verdict));
         ss_row_add(&cells, "%s", out->note);
         ss_page_table_row(&page, cells.count, cells.cell);
     }

@@ -15,7 +15,7 @@
 #include "softsim/client.h"
 
 enum { WAYS = 6, LOOP_PRIORITY = 80 };
-static const int64_t PERIOD_NS = 1000000;
+static const int64_t PERIOD_NS = 1000000, RATE_SETTLE_US = 1500000;
 static const double CLEAR_M = 0.06;   /* beyond the body, when nothing is near */
 static const double CIRCLE_M = 0.01;  /* radius, in the air */
 static const double SPEED_M_S = 0.02; /* of the press */
@@ -29,7 +29,9 @@ struct ss_idle_hand {
     atomic_int way;
     atomic_int_least64_t bytes, round_bytes, bare_cpu_ns;
     atomic_int active_nodes;
-    _Atomic double force;
+    _Atomic double force, chosen_hz, yardstick, slowest_hz;
+    atomic_int worst_verdict;
+    atomic_int_least64_t rate_from_us; /* a rate is one of the last second */
     atomic_bool has_surface, is_still;
     /* the hand's thread */
     double outermost[WAYS][3], reach[WAYS]; /* of nodes that are not fixed, along each axis */
@@ -79,6 +81,16 @@ static void take_status(void *context, const softsim_server_status *status, int6
     ss_idle_hand *hand = context;
     (void)receive_ns;
     atomic_store(&hand->active_nodes, status->active_nodes);
+    atomic_store(&hand->chosen_hz, status->chosen_rate_hz);
+    atomic_store(&hand->yardstick, status->yardstick);
+    if (ss_clock_now_ns() / 1000 < atomic_load(&hand->rate_from_us)) {
+        return;
+    }
+    atomic_store(&hand->slowest_hz,
+                 fmin(atomic_load(&hand->slowest_hz), status->simulation_rate_hz));
+    if (status->verdict > atomic_load(&hand->worst_verdict)) {
+        atomic_store(&hand->worst_verdict, status->verdict);
+    }
 }
 
 static void take_delta(void *context, const softsim_mesh_delta *delta)
@@ -255,6 +267,9 @@ softsim_status ss_idle_hand_start(const char *lcm_url, const char *prefix, ss_id
 
 void ss_idle_hand_go(ss_idle_hand *hand, ss_idle_way way)
 {
+    atomic_store(&hand->slowest_hz, (double)INFINITY);
+    atomic_store(&hand->worst_verdict, 0);
+    atomic_store(&hand->rate_from_us, ss_clock_now_ns() / 1000 + RATE_SETTLE_US);
     atomic_store(&hand->way, (int)way);
 }
 
@@ -265,6 +280,10 @@ ss_idle_counts ss_idle_hand_read(ss_idle_hand *hand)
                             .bare_cpu_ns = atomic_load(&hand->bare_cpu_ns),
                             .force = atomic_load(&hand->force),
                             .active_nodes = atomic_load(&hand->active_nodes),
+                            .chosen_hz = atomic_load(&hand->chosen_hz),
+                            .yardstick = atomic_load(&hand->yardstick),
+                            .slowest_hz = atomic_load(&hand->slowest_hz),
+                            .worst_verdict = atomic_load(&hand->worst_verdict),
                             .has_surface = atomic_load(&hand->has_surface),
                             .is_still = atomic_load(&hand->is_still)};
 }

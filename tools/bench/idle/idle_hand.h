@@ -24,6 +24,9 @@ typedef struct ss_idle_counts {
     int64_t bare_cpu_ns;
     double force; /* N, the last */
     int32_t active_nodes;
+    double chosen_hz, yardstick; /* of the server's plan */
+    double slowest_hz;           /* that it reached since the way was chosen; INFINITY not known */
+    int32_t worst_verdict;       /* since then */
     bool has_surface, is_still;
 } ss_idle_counts;
 
