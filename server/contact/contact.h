@@ -265,6 +265,8 @@ typedef struct ss_contact {
     double gap;             /* m, > 0: near but not touching */
     double friction[3];     /* N, on the tool, along the surface; not in `force` */
     double coefficient;     /* mu, 0: no friction */
+    int32_t station;        /* part of the tool that touches, from 0: from result to result, what
+                               has the same one goes on */
     double curvature[3][3]; /* S: symmetric world-frame matrix on the tangent plane, 1/m */
 } ss_contact;
 
