@@ -213,8 +213,7 @@ static double tally_samples(const ss_contact_query *query, const ss_frame *frame
             station_shares(query, z, share);
             deepest = fmax(deepest, depth);
             for (int k = 0; k < query->station_count; ++k) {
-                const double weight =
-                    scale * (double)ss_contact_query_push(query, s->depth) * share[k];
+                const double weight = scale * (double)ss_contact_query_push(query, s) * share[k];
                 if (!(weight > 0.0)) {
                     continue;
                 }
