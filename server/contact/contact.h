@@ -11,12 +11,12 @@
  *
  * Method (Loop 1987 subdivision rows of the rest mesh as contact samples; one potential of node
  * positions and tool pose, no memory): a sample x_q = sum_i B_qi P_i carries rest area A_q and is
- * pushed out of the tool by A_q kc (-d)+ n (harder where the tool is about to go through: query.c);
- * a weight sample x_s at the centroid of a quarter of a triangle gives w_i = sum_s A_s b_si
- * phi(d_s), phi = (1 - d/delta)+^2. Rejected: nodes or facets as contact points, whose force
- * ripples as the tool passes from one to the next; libccd on facets, whose depth can be off by a
- * third.
- * Memory: everything is allocated by the create functions; the rest is RT-safe.
+ * pushed out of the tool by its depth there, A_q kc D+ (harder where the tool is about to go
+ * through: query.c; D is smooth where -d has ridges: shape.c); a weight sample x_s at the centroid
+ * of a quarter of a triangle gives w_i = sum_s A_s b_si phi(d_s), phi = (1 - d/delta)+^2. Rejected:
+ * nodes or facets as contact points, whose force ripples as the tool passes from one to the next;
+ * libccd on facets, whose depth can be off by a third. Memory: everything is allocated by the
+ * create functions; the rest is RT-safe.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -265,6 +265,8 @@ typedef struct ss_contact {
     double gap;             /* m, > 0: near but not touching */
     double friction[3];     /* N, on the tool, along the surface; not in `force` */
     double coefficient;     /* mu, 0: no friction */
+    int32_t station;        /* part of the tool that touches, from 0: from result to result, what
+                               has the same one goes on */
     double curvature[3][3]; /* S: symmetric world-frame matrix on the tangent plane, 1/m */
 } ss_contact;
 

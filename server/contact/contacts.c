@@ -141,6 +141,18 @@ static void station_shares(const ss_contact_query *query, double z, double out[M
     out[below + 1] = at - below;
 }
 
+/* The one with the largest share. */
+static int32_t main_station(const ss_contact_query *query, double z)
+{
+    double share[MAX_STATIONS];
+    int32_t most = 0;
+    station_shares(query, z, share);
+    for (int32_t k = 1; k < query->station_count; ++k) {
+        most = share[k] > share[most] ? k : most;
+    }
+    return most;
+}
+
 static void add_tally(tally *sum, const tally *one)
 {
     sum->weight += one->weight;
@@ -201,8 +213,7 @@ static double tally_samples(const ss_contact_query *query, const ss_frame *frame
             station_shares(query, z, share);
             deepest = fmax(deepest, depth);
             for (int k = 0; k < query->station_count; ++k) {
-                const double weight =
-                    scale * (double)ss_contact_query_push(query, s->depth) * share[k];
+                const double weight = scale * (double)ss_contact_query_push(query, s) * share[k];
                 if (!(weight > 0.0)) {
                     continue;
                 }
@@ -411,6 +422,9 @@ static void set_near(const ss_contact_query *query, const ss_real *u, const ss_t
     tally sum = {.weight = 1.0};
     out_set->count = 1;
     contact->gap = fmax(best.distance, 1e-9);
+    contact->station = main_station(query, best.r[0] * (double)frame->axis[0] +
+                                               best.r[1] * (double)frame->axis[1] +
+                                               best.r[2] * (double)frame->axis[2]);
     ss_add3(contact->point, pose->position, best.r);
     ss_scale3(contact->normal, best.gradient, -1.0);
     if (ss_dot3(best.facet_normal, contact->normal) > 0.5) {
@@ -458,8 +472,9 @@ static void set_contacts(const ss_contact_query *query, const ss_real *u, const 
     }
     for (int k = 0; k < query->station_count; ++k) {
         if (station[k].weight > 1e-9 * whole.weight) {
-            set_contact(query, frame, pose, &station[k], &out_set->contact[out_set->count]);
-            out_set->count++;
+            ss_contact *contact = &out_set->contact[out_set->count++];
+            set_contact(query, frame, pose, &station[k], contact);
+            contact->station = k;
         }
     }
     ss_contact mean;

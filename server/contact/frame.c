@@ -66,6 +66,25 @@ double ss_frame_distance(const ss_frame *frame, const ss_real r[3], double out_n
     return d;
 }
 
+void ss_frame_depth(const ss_frame *frame, const ss_wide *r, ss_real *inout_depth,
+                    ss_real inout_normal[3], ss_real *out_lean)
+{
+    const double world[3] = {(double)(*r)[0], (double)(*r)[1], (double)(*r)[2]};
+    double local[3], gradient[3];
+    *out_lean = 1;
+    if (frame->is_round || frame->shape->kind == SS_SHAPE_CONVEX) {
+        return;
+    }
+    ss_rotate_back(local, frame->orientation, world);
+    *inout_depth = (ss_real)ss_shape_depth(frame->shape, local, gradient);
+    ss_rotate(local, frame->orientation, gradient);
+    const double size = ss_norm3(local);
+    *out_lean = (ss_real)size;
+    for (int k = 0; k < 3 && size > 0.0; ++k) {
+        inout_normal[k] = (ss_real)(local[k] / size);
+    }
+}
+
 double ss_frame_distance_bound(const ss_frame *frame, const ss_real r[3])
 {
     const double world[3] = {(double)r[0], (double)r[1], (double)r[2]};

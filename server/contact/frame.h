@@ -32,6 +32,10 @@ void ss_frame_set(ss_frame *frame, const ss_shape *shape, const double origin_sh
 double ss_frame_distance(const ss_frame *frame, const ss_real r[3], double out_normal[3]);
 /* A lower bound of the distance, exact inside: what a cull asks. */
 double ss_frame_distance_bound(const ss_frame *frame, const ss_real r[3]);
+/* The smooth depth of the point at `r` inside the tool, its direction out of the tool, unit, and
+ * the size of its gradient. Of what has -d, distance and normal as they are, and 1. */
+void ss_frame_depth(const ss_frame *frame, const ss_wide *r, ss_real *inout_depth,
+                    ss_real inout_normal[3], ss_real *out_lean);
 /* The gradient on a round tool's core, where there is none: a fixed choice. */
 void ss_frame_core_normal(const ss_frame *frame, ss_real out[3]);
 

@@ -219,7 +219,7 @@ ss_friction_energy ss_contact_query_friction(ss_contact_query *query, const ss_t
         next->group[g] = *group;
         for (int32_t i = group->first; i < group->first + group->count; ++i) {
             const ss_sample *sample = &query->sample[i];
-            const double limit = coefficient * (double)ss_contact_query_push(query, sample->depth);
+            const double limit = coefficient * (double)ss_contact_query_push(query, sample);
             const anchor *before = find_anchor(&friction->kept, old, sample->sample_index, &at);
             energy.lost += rub(sample, before, pose->orientation, reach, limit, (double)scale,
                                &query->rub[i], &next->of[i]);

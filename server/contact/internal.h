@@ -17,8 +17,9 @@ typedef struct ss_candidate {
 /* A sample inside the tool. */
 typedef struct ss_sample {
     ss_real r[3];         /* m, from the tool's origin, world axes */
-    ss_real depth;        /* m, -d > 0 */
-    ss_real n[3];         /* out of the tool */
+    ss_real depth;        /* m, D > 0 */
+    ss_real n[3];         /* out of the tool, unit: of -grad D */
+    ss_real lean;         /* |grad D| */
     int32_t sample_index; /* facet * part_count + part */
 } ss_sample;
 
@@ -117,16 +118,18 @@ struct ss_contact_query {
 #define SS_CONTACT_QUERY_STIFFENING_FROM 0.3
 enum { SS_CONTACT_QUERY_STIFFENING = 10 };
 
-/* c(d) and its slope, for a sample d deep. */
-static inline ss_real ss_contact_query_push(const ss_contact_query *query, ss_real depth)
+/* c(D) |grad D| of a sample, and that along its normal. */
+static inline ss_real ss_contact_query_push(const ss_contact_query *query, const ss_sample *sample)
 {
-    const ss_real more = depth - query->stiffening_depth;
-    return more > 0 ? depth + (SS_CONTACT_QUERY_STIFFENING - 1) * more : depth;
+    const ss_real more = sample->depth - query->stiffening_depth;
+    return sample->lean *
+           (more > 0 ? sample->depth + (SS_CONTACT_QUERY_STIFFENING - 1) * more : sample->depth);
 }
 
-static inline ss_real ss_contact_query_slope(const ss_contact_query *query, ss_real depth)
+static inline ss_real ss_contact_query_slope(const ss_contact_query *query, const ss_sample *sample)
 {
-    return depth > query->stiffening_depth ? SS_CONTACT_QUERY_STIFFENING : 1;
+    return sample->lean * sample->lean *
+           (sample->depth > query->stiffening_depth ? SS_CONTACT_QUERY_STIFFENING : 1);
 }
 
 /* kc A_q of a triangle's samples, N/m. */

@@ -5,8 +5,8 @@
  *
  *   weights  w_i = sum_s A_s b_si phi(d_s),  phi = (1 - d/delta)+^2,
  *            f_s = -A_s phi'(d_s) (sum_i b_si mu_i) n_s,  phi' = -2 (1 - d/delta)+ / delta
- *   penalty  U = kc sum_q A_q int_0^(-d_q)+ c,  f_q = A_q kc c(-d_q) n_q on the nodes by B_qi,
- *            c(d) = d + 9 (d - 0.3 r)+, r the tool's inradius
+ *   penalty  U = kc sum_q A_q int_0^D_q c,  f_q = -A_q kc c(D_q) grad D_q on the nodes by B_qi,
+ *            D the smooth depth in the tool (shape.c), c(D) = D + 9 (D - 0.3 r)+, r its inradius
  *   tool     force -sum f, torque -sum r x f, r from the tool's origin
  *
  * Why c: flat tissue penetrated to depth d by a sphere of radius R exerts pi kc (R - d) d^2, at
@@ -340,6 +340,7 @@ static int32_t find_samples(const ss_surface *surface, const ss_frame *frame,
                 sample->r[1] = r[1];
                 sample->r[2] = r[2];
                 sample->depth = -d;
+                ss_frame_depth(frame, &r, &sample->depth, sample->n, &sample->lean);
                 sample->sample_index = f * grid->part_count + part;
                 count++;
             }
@@ -362,7 +363,7 @@ static void sum_samples(const ss_contact_query *query, const ss_grid *grid, cons
         const ss_sample *s = &sample[i];
         const uint8_t *p = grid->facet[s->sample_index / grid->part_count];
         const ss_real *c = grid->part[s->sample_index % grid->part_count];
-        const ss_real push = scale * ss_contact_query_push(query, s->depth);
+        const ss_real push = scale * ss_contact_query_push(query, s);
         const ss_wide f = {push * s->n[0], push * s->n[1], push * s->n[2], 0};
         value[p[0]] += c[0] * f;
         value[p[1]] += c[1] * f;
@@ -481,7 +482,7 @@ void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, 
             const uint8_t *p = grid->facet[s->sample_index / grid->part_count];
             const ss_real *c = grid->part[s->sample_index % grid->part_count];
             const ss_wide m = c[0] * move[p[0]] + c[1] * move[p[1]] + c[2] * move[p[2]] - shift;
-            const ss_real push = -scale * ss_contact_query_slope(query, s->depth) *
+            const ss_real push = -scale * ss_contact_query_slope(query, s) *
                                  (s->n[0] * m[0] + s->n[1] * m[1] + s->n[2] * m[2]);
             const ss_wide f = {push * s->n[0], push * s->n[1], push * s->n[2], 0};
             value[p[0]] += c[0] * f;
@@ -530,7 +531,7 @@ void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal)
         for (int32_t i = 0; i < group->count; ++i) {
             const int32_t sample_index = query->sample[group->first + i].sample_index;
             const double slope =
-                (double)ss_contact_query_slope(query, query->sample[group->first + i].depth);
+                (double)ss_contact_query_slope(query, &query->sample[group->first + i]);
             for (int k = 0; k < 3; ++k) {
                 value[grid->facet[sample_index / grid->part_count][k]] +=
                     scale * slope * (double)grid->part[sample_index % grid->part_count][k];

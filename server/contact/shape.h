@@ -10,6 +10,8 @@ double ss_convex_distance(const ss_convex *convex, const double x[3], double lim
 /* The same of any shape, but for the others always the distance. */
 double ss_shape_distance_below(const ss_shape *shape, const double x[3], double limit,
                                double out_normal[3]);
+/* The smooth depth of a point inside, and its gradient downwards: out of the tool, at most 1. */
+double ss_shape_depth(const ss_shape *shape, const double x[3], double out_gradient[3]);
 double ss_convex_bounding_radius(const ss_convex *convex);
 double ss_convex_inradius(const ss_convex *convex);
 /* Extent along z about the origin, and the largest extent of the bounding box. */

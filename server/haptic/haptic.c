@@ -39,7 +39,9 @@ static double pose_interval(const ss_haptic *haptic, const softsim_pose *pose, i
 
 static void take_button(ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
 {
-    const bool is_pressed = (pose->buttons & SOFTSIM_BUTTON_GRASP) != 0;
+    const bool is_down = (pose->buttons & SOFTSIM_BUTTON_GRASP) != 0;
+    haptic->is_spent = haptic->is_spent && is_down;
+    const bool is_pressed = is_down && !haptic->is_spent;
     if (is_pressed != haptic->is_pressed) {
         ++haptic->grasp_edges;
         haptic->press_tick = tick;
@@ -109,6 +111,11 @@ static void place_proxy(ss_haptic *haptic)
     ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
     ss_slip_clear(&haptic->slip);
     ss_yield_clear(&haptic->yield);
+    /* A hand grasps by a press: a tool that is placed in tissue would be drawn through it by what
+     * it took on its way in. */
+    haptic->grasp_edges += haptic->is_pressed;
+    haptic->is_spent = haptic->is_spent || haptic->is_pressed;
+    haptic->is_pressed = false;
     haptic->is_returning = false;
     haptic->placed_starts = haptic->starts;
     ++haptic->teleports;
@@ -501,7 +508,8 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
     const double number[] = {haptic->slip.stiffness_fraction, haptic->slip.length,
                              haptic->admission.held_back, haptic->ramp_from,
                              haptic->passivity.share};
-    const uint8_t flag[] = {haptic->slip.is_kept, haptic->slip.is_from_grasp, haptic->is_pressed,
+    const uint8_t button = haptic->is_spent ? 2 : haptic->is_pressed;
+    const uint8_t flag[] = {haptic->slip.is_kept, haptic->slip.is_from_grasp, button,
                             haptic->is_returning};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
         hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);

@@ -84,6 +84,7 @@ typedef struct ss_local_contact_point {
     double direction[3];    /* n', the normal bent by the curvature */
     double last_force;      /* N, F(p) >= 0 of the last tick */
     double coefficient;     /* mu */
+    int32_t station;        /* part of the tool that touches */
 } ss_local_contact_point;
 
 /* A grasp: F(p) = force - stiffness (p - position) - viscosity (pdot - velocity) + offset, all

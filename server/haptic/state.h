@@ -17,6 +17,8 @@ struct ss_haptic {
     softsim_pose left_pose;
     ss_motion motion;
     bool is_pressed;
+    bool is_spent; /* the button has been down since before the proxy was placed: it is pressed no
+                    * more, until it comes up */
     int64_t press_tick;
     /* state: proxy and tissue */
     double p[3], pdot[3];

@@ -9,6 +9,7 @@
 
 #include "contact/contact.h"
 #include "contact/convex.h"
+#include "contact/shape.h"
 #include "contact_fixture.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -176,6 +177,59 @@ TEST(distances_survive_random_points)
             (ss_shape_distance(shape, ahead, other) - ss_shape_distance(shape, behind, other)) /
             2e-6;
         assert_true(slope > 1.0 - 1e-6 || d < 0.0); /* inside, differences may cross a ridge */
+    }
+}
+
+/* What presses on a point inside: no deeper than it is, 0 at the surface as that is there, and of a
+ * gradient that turns with the point and by no jump, over edges and about a cone's apex. */
+TEST(depths_are_smooth_where_distances_have_ridges)
+{
+    const ss_shape *solids[] = {&box, &cylinder, &cone};
+    seed_state = 23;
+    int met = 0;
+    for (int i = 0; i < 60000; ++i) {
+        const ss_shape *shape = solids[i % 3];
+        double x[3], way[3], normal[3], gradient[3], other[3], aside[3], ahead[3], behind[3];
+        random_point(x, 3.0);
+        random_point(way, 1.0);
+        ss_normalize3(way);
+        const double d = ss_shape_distance(shape, x, normal);
+        /* On a cylinder's axis, R deep, there is no direction. */
+        if (d > -1e-6 || (shape == &cylinder && hypot(x[0], x[1]) < 0.1)) {
+            continue;
+        }
+        ++met;
+        const double depth = ss_shape_depth(shape, x, gradient);
+        assert_true(depth > 0.25 * -d && depth <= -d * (1.0 + 1e-12));
+        assert_true(ss_norm3(gradient) <= 1.0 + 1e-12);
+        const double h = 1e-4 * depth;
+        ss_madd3(ahead, x, h, way);
+        ss_madd3(behind, x, -h, way);
+        const double slope =
+            (ss_shape_depth(shape, ahead, other) - ss_shape_depth(shape, behind, other)) /
+            (2.0 * h);
+        assert_near(slope, -ss_dot3(gradient, way), 1e-5);
+        ss_madd3(aside, x, 1e-3 * depth, way);
+        (void)ss_shape_depth(shape, aside, other);
+        ss_sub3(other, other, gradient);
+        assert_true(ss_norm3(other) < 0.01);
+    }
+    assert_true(met > 5000);
+}
+
+TEST(depths_begin_at_the_surface_as_distances_do)
+{
+    const ss_shape *solids[] = {&sphere, &capsule, &box, &cylinder, &cone};
+    /* In the middle of a face, just inside; round tools keep the distance everywhere. */
+    for (int k = 0; k < 5; ++k) {
+        double x[3] = {0.1, 0.2, 0.3}, normal[3], gradient[3];
+        for (int step = 0; step < 60 && ss_shape_distance(solids[k], x, normal) < -1e-4; ++step) {
+            ss_madd3(x, x, 0.5 * -ss_shape_distance(solids[k], x, normal), normal);
+        }
+        const double d = ss_shape_distance(solids[k], x, normal);
+        assert_near(ss_shape_depth(solids[k], x, gradient), -d, k < 2 ? 0.0 : 1e-3 * -d);
+        ss_sub3(gradient, gradient, normal);
+        assert_true(ss_norm3(gradient) <= (k < 2 ? 0.0 : 1e-3));
     }
 }
 

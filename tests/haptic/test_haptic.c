@@ -211,6 +211,7 @@ static void lie(rig *r, double k, double depth, int as)
         set->contact[i].point[0] = row[as].arm[i];
         set->contact[i].force *= row[as].share[i];
         set->contact[i].stiffness *= row[as].share[i];
+        set->contact[i].station = i;
     }
     (void)rig_tick(r, -depth);
 }
@@ -237,6 +238,52 @@ TEST(a_torque_does_not_jump_as_contacts_come_and_go)
     for (int n = 0; n < 300; ++n) {
         lie(&r, k, depth, n / 7 % 3);
         assert_near(r.out.force.torque[1], torque, 0.01 * fabs(torque));
+    }
+    rig_end(&r);
+}
+
+/* A tool on tissue with its parts 1 and 2; of part 0, told before them, `share` of the force. */
+static void lie_on_three(rig *r, double k, double depth, double share)
+{
+    static const double arm[3] = {0.0, 0.008, -0.012};
+    const double part[3] = {share, 0.6 * (1.0 - share), 0.4 * (1.0 - share)};
+    rig_result(r, k, depth, 1);
+    ss_contact_set *set = &r->result.set;
+    const ss_contact whole = set->contact[0];
+    set->count = 0;
+    for (int i = share > 0.0 ? 0 : 1; i < 3; ++i) {
+        ss_contact *c = &set->contact[set->count++];
+        *c = whole;
+        c->point[0] = arm[i];
+        c->force *= part[i];
+        c->stiffness *= part[i];
+        c->station = i;
+        set->torque[1] -= arm[i] * c->force;
+    }
+    (void)rig_tick(r, -depth);
+}
+
+/* 1 % of the force a tick goes over to it. */
+TEST(a_part_of_the_tool_that_begins_to_touch_takes_no_other_ones_force)
+{
+    const double k = 300.0, depth = 4e-3;
+    ss_haptic_config config = default_config();
+    config.tool_gyration = 0.005;
+    rig r;
+    rig_start(&r, &config);
+    rig_press(&r, k, depth);
+    for (int n = 0; n < 200; ++n) {
+        lie_on_three(&r, k, depth, 0.0);
+    }
+    const double force = r.out.force.force[2];
+    double torque = r.out.force.torque[1];
+    assert_near(torque, 0.0, 1e-9);
+    for (int n = 0; n < 60; ++n) {
+        const double share = 0.01 * (n < 30 ? n : 60 - n);
+        lie_on_three(&r, k, depth, share);
+        assert_near(r.out.force.force[2], force, 1e-3 * force);
+        assert_near(r.out.force.torque[1], torque, 1e-3 * 0.01 * force);
+        torque = r.out.force.torque[1];
     }
     rig_end(&r);
 }

@@ -114,6 +114,35 @@ TEST(a_still_hand_is_not_shaken_by_what_it_holds)
     assert_int_equal(shaken, 0);
 }
 
+/* Grasping, drawn aside, reset with the button down: the tool comes into tissue at rest and takes
+ * none of it, until the button has been up. */
+TEST(a_button_held_down_through_a_reset_grasps_nothing)
+{
+    rig r;
+    tissue t = {.mass = 0.01, .ground = 1000, .springs = 10000};
+    const ss_haptic_config config = default_config();
+    rig_start(&r, &config);
+    for (int n = 0; n < 3000; ++n) {
+        if (n > 0) {
+            answer(&r, &t, 1);
+        }
+        const bool is_up = n <= 500 || (n > 2200 && n <= 2300);
+        r.pose.buttons = is_up ? 0 : SOFTSIM_BUTTON_GRASP;
+        r.is_reset = n == 1000;
+        if (n == 1000) {
+            t = (tissue){.mass = 0.01, .ground = 1000, .springs = 10000};
+        }
+        (void)rig_tick(&r, 1e-3 - 2e-3 * fmin(1.0, n / 300.0));
+        const bool is_told = r.out.target.is_grasping;
+        assert_true(is_told == (n > 500 && n < 1000) || (n >= 1000 && n < 1100) ||
+                    (is_told == (n > 2300) && n > 1100));
+        if (n > 1100 && n <= 2200) {
+            assert_false(r.out.force.flags & SOFTSIM_FORCE_GRASPING);
+        }
+    }
+    rig_end(&r);
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);

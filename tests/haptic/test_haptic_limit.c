@@ -241,6 +241,7 @@ static void make_result(rig *r, int count, double k, double period)
     set->normal[2] = 1.0;
     for (int i = 0; i < count; ++i) {
         ss_contact *c = &set->contact[i];
+        c->station = i;
         const double angle = 2.0 * SS_PI * i / count, tilt = 35.0 / 180.0 * SS_PI;
         double depth;
         if (count == 1) {

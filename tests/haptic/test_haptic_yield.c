@@ -39,6 +39,7 @@ static void layers_result(rig *r, const layers *tissue)
                           .gap = fmax(0.0, -own)};
         ss_set3(c->normal, sin(side), 0.0, cos(side));
         c->point[0] = 0.01 * i;
+        c->station = i;
     }
 }
 

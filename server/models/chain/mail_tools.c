@@ -237,9 +237,15 @@ void ss_mail_contacts(ss_model *model, int32_t probe, double near, ss_contact_se
     out->is_held = tool->grasp.is_pressed && tool->grasp.count > 0;
     ss_set3(out->force, 0.0, 0.0, 0.0);
     ss_set3(out->torque, 0.0, 0.0, 0.0);
+    double sum = 0.0;
+    for (int32_t k = 0; k < out->count; ++k) {
+        sum += out->contact[k].force;
+    }
     for (int32_t k = 0; k < out->count; ++k) {
         ss_contact *contact = &out->contact[k];
-        contact->stiffness = contact->tangential = tool->rest_felt / out->count;
+        /* Of what touches by its part of the samples' forces: one that begins has none. */
+        const double share = sum > 0.0 ? contact->force / sum : 1.0 / out->count;
+        contact->stiffness = contact->tangential = share * tool->rest_felt;
         contact->force = contact->stiffness * dent;
         contact->gap = dent > 0.0 ? 0.0 : contact->gap;
     }
