@@ -140,11 +140,6 @@ int main(int argc, char **argv)
         ss_scene_print(world->scene, &models[world->scene->model_index], print_line, stdout);
     }
     if (is_served) {
-        if (world->yardstick > 0.0 && options.log_level >= SS_LOG_INFO) {
-            fprintf(stderr,
-                    "softsimd: simulation at %.6g Hz; a step takes %.2f of the counted cost\n",
-                    1.0 / world->step_period, world->yardstick);
-        }
         block_signals();
         ss_program_drop_capabilities(false);
         const softsim_status status = ss_loops_run(world, &options, &error);

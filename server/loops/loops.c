@@ -237,6 +237,10 @@ static void serve(ss_loops *loops, const ss_loop_threads *threads)
         fprintf(stderr, "softsimd: warning: SCHED_FIFO is not allowed, so forces may be late; "
                         "run as root or raise `ulimit -r`\n");
     }
+    if (loops->world->yardstick > 0.0 && loops->options->log_level >= SS_LOG_INFO) {
+        fprintf(stderr, "softsimd: simulation at %.6g Hz; a step takes %.2f of the counted cost\n",
+                1.0 / loops->world->step_period, loops->world->yardstick);
+    }
     puts("softsimd: ready");
     fflush(stdout);
     wait_for_end(loops);

@@ -19,6 +19,8 @@ export class View {
     this.orbit.enableDamping = true;
     this.raycaster = new THREE.Raycaster();
     this.frames = 0;
+    this.seen = []; // what the picture shows, in numbers: state()
+    canvas.addEventListener('webglcontextrestored', () => { this.seen = []; });
     this.light();
     const dark = matchMedia('(prefers-color-scheme: dark)');
     const paint = () => { this.scene.background = new THREE.Color(dark.matches ? GROUND.dark : GROUND.light); };
@@ -61,6 +63,7 @@ export class View {
     const before = this.distance();
     this.renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
     this.renderer.setSize(width, height, false);
+    this.seen = []; // and empty
     this.camera.aspect = width / Math.max(1, height);
     this.camera.updateProjectionMatrix();
     this.zoom(before / this.distance());
@@ -91,9 +94,28 @@ export class View {
     return this.raycaster;
   }
 
+  // All that a picture depends on: places, the versions of what is in buffers, paints, light and eye.
+  state() {
+    const { scene, camera } = this, out = [scene.background.getHex(), ...camera.projectionMatrix.elements];
+    scene.updateMatrixWorld();
+    scene.traverseVisible(({ id, matrixWorld, geometry, material }) => {
+      out.push(id, ...matrixWorld.elements);
+      if (geometry === undefined) return;
+      const { attributes, index } = geometry;
+      out.push(geometry.id, index === null ? 0 : index.version, ...Object.values(attributes).map(({ version }) => version));
+      out.push(material.id, material.version, material.opacity, material.color === undefined ? 0 : material.color.getHex());
+    });
+    return out;
+  }
+
+  // A frame of the page. A picture that would be the last one is not made again.
   draw() {
     this.orbit.update();
-    this.renderer.render(this.scene, this.camera);
+    const state = this.state();
+    if (state.length !== this.seen.length || state.some((value, i) => value !== this.seen[i])) {
+      this.renderer.render(this.scene, this.camera);
+      this.seen = state;
+    }
     ++this.frames;
   }
 }
