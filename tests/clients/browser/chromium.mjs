@@ -33,22 +33,33 @@ export async function open(browser, address, options, faults = []) {
   return page;
 }
 
-export const until = (page, claim, argument = null) => page.waitForFunction(claim, argument, { timeout: HANG_MS });
+let patience = HANG_MS;
+export const until = (page, claim, argument = null) => page.waitForFunction(claim, argument, { timeout: patience });
 
-// Presses at [x, y] until `claim` holds in `at`: a page that the machine holds up for longer than the server's
-// patience is let go of, and its user presses again.
-export async function press(page, [x, y], claim, at = page) {
+// A page that the machine holds up for longer than the server's patience is let go of, and its user
+// begins anew: what `attempt` waits for may take TRIES of them.
+const TRIES = 6;
+export async function again(attempt, letGo) {
+  const before = patience;
   for (let tries = 1; ; ++tries) {
-    await page.mouse.move(x, y);
-    await page.mouse.down();
+    patience = HANG_MS / TRIES;
     try {
-      return await at.waitForFunction(claim, null, { timeout: HANG_MS / 6 });
+      return await attempt();
     } catch (error) {
-      if (tries === 6) throw error;
-      await page.mouse.up();
+      if (tries === TRIES || error.name !== 'TimeoutError') throw error;
+    } finally {
+      patience = before;
     }
+    await letGo();
   }
 }
+
+// Presses at [x, y] until `claim` holds in `at`.
+export const press = (page, [x, y], claim, at = page) => again(async () => {
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await until(at, claim);
+}, () => page.mouse.up());
 
 // Where a point of the body at rest (metres) is on the screen.
 export const onScreen = (page, point) => page.evaluate(([x, y, z]) => {
