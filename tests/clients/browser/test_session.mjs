@@ -155,8 +155,9 @@ server = await serve(`${work}/no-mesh.yaml`);
 await until(page, () => document.getElementById('scene-name').textContent.startsWith('no-mesh.yaml') && document.body.dataset.session === 'loading');
 await until(page, () => document.getElementById('banner-head').textContent === 'The server sends no body');
 assert.deepEqual(await page.evaluate(() => [softsim.body.visible, softsim.tools.visible]), [false, false]);
-await drawnAnew(page);
-assert.ok((await drawn(page)) < 0.001, 'no body is drawn');
+do { // a page that was held up takes the server for gone for a moment, and shows what it had
+  await drawnAnew(page);
+} while ((await drawn(page)) >= 0.001);
 await page.mouse.move(x, y);
 await page.mouse.down();
 assert.equal(await page.evaluate(() => softsim.hand.press), null, 'there is nothing to press at');
