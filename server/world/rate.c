@@ -32,6 +32,7 @@ static const double COST_SHARE = 0.5;
 static const double SLACK_SHARE = 0.7; /* a model by counts that takes no more stays as it is */
 static const double GAIN_SHARE = 0.9;  /* a longer step that lowers the share less does not help */
 static const int64_t MEASURE_NS = 4000000;
+static const int64_t LONGEST_NS = 500000000; /* of steps that take so long one will do */
 static const double PRESS_M_S = 0.1, PRESS_SHARE = 0.02; /* at most that part of the diagonal */
 /* A body at rest without a tool costs next to nothing; what sets in later does not. */
 static const double LEAST_YARDSTICK = 0.5, MOST_YARDSTICK = 100.0;
@@ -148,7 +149,7 @@ double ss_world_measure_yardstick(ss_world *world)
     int64_t now_ns = begin_ns;
     int32_t count = 0;
     while (count < MOST_STEPS &&
-           (count < WARM_STEPS + LEAST_STEPS || now_ns - begin_ns < MEASURE_NS)) {
+           now_ns - begin_ns < (count < WARM_STEPS + LEAST_STEPS ? LONGEST_NS : MEASURE_NS)) {
         if (has_touch) {
             tool[probe].from = tool[probe].to;
             if (count < WARM_STEPS + LEAST_STEPS) {
@@ -161,8 +162,9 @@ double ss_world_measure_yardstick(ss_world *world)
         took_us[count++] = 1e-3 * (double)(now_ns - start_ns);
     }
     model_class->reset(world->model);
-    qsort(took_us + WARM_STEPS, (size_t)(count - WARM_STEPS), sizeof *took_us, compare);
-    const double median_us = took_us[WARM_STEPS + (count - WARM_STEPS) / 2];
+    const int32_t warm = count > WARM_STEPS ? WARM_STEPS : count - 1;
+    qsort(took_us + warm, (size_t)(count - warm), sizeof *took_us, compare);
+    const double median_us = took_us[warm + (count - warm) / 2];
     const double yardstick = median_us / model_class->step_cost_us(&plan);
     return isfinite(yardstick) ? fmax(LEAST_YARDSTICK, fmin(yardstick, MOST_YARDSTICK)) : 1.0;
 }
