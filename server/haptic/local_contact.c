@@ -350,7 +350,7 @@ double ss_local_contact_room(const ss_local_contact *local, const double p[3], d
     return room;
 }
 
-/* Does one of the set, or of the old contacts, belong to that part of the tool? */
+/* Does one of the set belong to that part of the tool? */
 static bool has_station(const ss_contact_set *set, int32_t station)
 {
     bool is_there = false;
