@@ -371,8 +371,8 @@ softsim_status ss_mesh_grow_skin(const ss_mesh *volume, double thickness, ss_mes
 /* Writers: OBJ of the surface (quads as such), binary STL of its triangles, MSH 2.2 of everything,
  * legacy VTK (ASCII) of the tetrahedra, else of the surface, with an array of zeros and ones
  * "group:NAME" for each group. What is read back is the same to the last bit; of OBJ and STL
- * without groups and inner nodes, of STL in single precision and with nodes in another order.
- * Written to a temporary file, synced, renamed. */
+ * without groups and inner nodes, of STL in single precision and with nodes in another order; a
+ * mesh beyond that is refused. Written to a temporary file, synced, renamed. */
 softsim_status ss_mesh_write_obj(const ss_mesh *mesh, const char *path, softsim_error *error);
 softsim_status ss_mesh_write_stl(const ss_mesh *mesh, const char *path, softsim_error *error);
 softsim_status ss_mesh_write_msh(const ss_mesh *mesh, const char *path, softsim_error *error);

@@ -14,6 +14,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <float.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -157,9 +158,31 @@ static void put_single(FILE *file, double value)
     put_word(file, word);
 }
 
+/* The first node that single precision cannot say; -1: none. */
+static int32_t find_beyond_single(const ss_mesh *mesh)
+{
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            if (!(fabs(mesh->position[i][k]) <= (double)FLT_MAX)) {
+                return i;
+            }
+        }
+    }
+    return -1;
+}
+
 /* 80 bytes, the count, and of each triangle its normal, corners and two bytes. */
 softsim_status ss_mesh_write_stl(const ss_mesh *mesh, const char *path, softsim_error *error)
 {
+    const int32_t beyond = find_beyond_single(mesh);
+    if (beyond >= 0) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_MESH,
+            "%s: node %d is beyond what STL can say (%.2g): scale it, or give another "
+            "format",
+            path, beyond, (double)FLT_MAX);
+        return SOFTSIM_ERROR_MESH;
+    }
     output out;
     softsim_status status = open_output(&out, path, error);
     if (status != SOFTSIM_OK) {

@@ -251,6 +251,18 @@ TEST(stl_is_written_as_it_is_read)
     run_tool("check third.stl");
 }
 
+/* Doubles that no single is near would be written as infinite. */
+TEST(stl_holds_no_position_that_is_not_finite)
+{
+    char out[4096];
+    write_text("far.msh",
+               MSH("4\n1 0 0 0\n2 1e39 0 0\n3 0 1e39 0\n4 0 0 1e39\n", "1\n1 4 2 0 1 1 2 3 4\n"));
+    run_tool("convert far.msh far.vtk");
+    assert_int_equal(run(TOOL "convert far.msh far.stl", out, sizeof out), 2);
+    assert_non_null(strstr(out, "far.stl: node 1 is beyond what STL can say (3.4e+38)"));
+    assert_int_equal(access(in_folder("far.stl"), F_OK), -1);
+}
+
 /* Of the table above. */
 TEST(repair_writes_nothing_that_check_refuses)
 {

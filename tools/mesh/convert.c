@@ -163,7 +163,8 @@ static int convert(const void *what, softsim_error *error)
                           none);
     }
     if (status == SOFTSIM_OK) {
-        result = write_mesh(mesh, c->path[1], error) == SOFTSIM_OK ? 0 : 1;
+        status = write_mesh(mesh, c->path[1], error);
+        result = status == SOFTSIM_OK ? 0 : status == SOFTSIM_ERROR_MESH ? 2 : 1;
     }
     if (result == 0) {
         print_written(mesh, c->path[1], NULL);

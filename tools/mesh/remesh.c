@@ -85,7 +85,8 @@ static int remesh(const void *what, softsim_error *error)
     }
     ss_progress_end();
     if (status == SOFTSIM_OK) {
-        result = write_mesh(even, q->path[1], error) == SOFTSIM_OK ? 0 : 1;
+        status = write_mesh(even, q->path[1], error);
+        result = status == SOFTSIM_OK ? 0 : status == SOFTSIM_ERROR_MESH ? 2 : 1;
     }
     if (result == 0 && print_measures(q->path[0], mesh) && print_measures(q->path[1], even)) {
         ss_plain_print(stdout, "%s: at most %.4g from the surface given, or it from this\n",
