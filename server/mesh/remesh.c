@@ -336,7 +336,8 @@ static softsim_status give(const ss_remesher *r, ss_mesh **out, softsim_error *e
         return status;
     }
     (*out)->group = ss_memory_get((size_t)m->group_count, sizeof *(*out)->group);
-    for (int32_t g = 0; g < m->group_count && (*out)->group != NULL; ++g) {
+    status = (*out)->group != NULL ? status : SOFTSIM_ERROR_MEMORY;
+    for (int32_t g = 0; g < m->group_count && status == SOFTSIM_OK; ++g) {
         ss_mesh_group *group = &(*out)->group[g];
         memcpy(group->name, m->group[g].name, sizeof group->name);
         group->node = ss_memory_get((size_t)r->node_count, sizeof *group->node);
@@ -348,7 +349,7 @@ static softsim_status give(const ss_remesher *r, ss_mesh **out, softsim_error *e
         (*out)->group_count += group->node != NULL;
         status = group->node != NULL ? status : SOFTSIM_ERROR_MEMORY;
     }
-    return (*out)->group != NULL ? status : SOFTSIM_ERROR_MEMORY;
+    return status;
 }
 
 /* The greatest distance of nodes and middles of triangles of one from the other. */
