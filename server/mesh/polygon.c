@@ -3,9 +3,9 @@
 /*
  * A face of many corners as triangles, by clipping ears in the plane across its area vector
  * (Newell): the first corner that turns the right way and has no other corner in its triangle goes.
- * Only corners that turn the other way can lie in an ear, so that a convex face looks at none.
+ * Only corners that turn the other way can lie in an ear, so that of a convex face none is tried.
  * Where none is an ear, since the face crosses itself or is flat, or when 8 n^2 corners have been
- * looked at, the next one goes anyway: the count is always n - 2, and the checks of the mesh tell
+ * gone over, the next one goes anyway: the count is always n - 2, and the checks of the mesh tell
  * what came out. A fan from one corner was rejected: it folds faces that are not convex.
  */
 #include "mesh/polygon.h"
@@ -61,10 +61,10 @@ static bool is_ear(const flat_point *at, const bool *is_reflex, const int *left,
     }
     for (int i = 2; i + 1 < count; ++i) {
         const flat_point *p = &at[left[(k + i) % count]];
+        --*inout_looks;
         if (!is_reflex[left[(k + i) % count]]) {
             continue;
         }
-        --*inout_looks;
         if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) {
             return false;
         }
