@@ -230,22 +230,20 @@ softsim_status organ_draw(const organ *o, const ss_touch_body *body, const char 
     ss_keyed *order = calloc(4 * (size_t)body->triangle_count + 1, sizeof *order);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     if (script != NULL && order != NULL) {
-        status = ss_output_open(&picture, path, error);
+        status = leftover_open(&picture, path, error);
     }
     if (status == SOFTSIM_OK) {
-        leftover_watch(picture.temporary);
         put_script(script, o, body, order);
         const bool is_written = fflush(script) == 0 && fseek(script, 0, SEEK_SET) == 0;
         status = is_written ? run_gnuplot(script, &picture, error) : SOFTSIM_ERROR_FILE;
     }
-    leftover_forget(picture.temporary);
     if (status == SOFTSIM_OK) {
-        status = ss_output_commit(&picture, error);
+        status = leftover_commit(&picture, error);
     } else if (error->fault_count == 0) {
         softsim_error_add(error, status,
                           "--preview: out of memory, or of room for a temporary file");
     }
-    ss_output_abandon(&picture);
+    leftover_abandon(&picture);
     if (script != NULL) {
         (void)fclose(script);
     }

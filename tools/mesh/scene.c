@@ -696,12 +696,6 @@ static softsim_status choose_model(const request *q, ss_output *output, organ *o
     return status;
 }
 
-static softsim_status commit(ss_output *output, softsim_error *error)
-{
-    leftover_forget(output->temporary);
-    return ss_output_commit(output, error);
-}
-
 /* What was written, once more as a server will read it: what is doubtful is told, and it is drawn.
  */
 static softsim_status finish(const request *q, ss_output *output, const organ *o,
@@ -719,7 +713,7 @@ static softsim_status finish(const request *q, ss_output *output, const organ *o
     const softsim_status status =
         q->preview != NULL ? organ_draw(o, &body, q->preview, error) : SOFTSIM_OK;
     softsim_destroy(&world);
-    return status == SOFTSIM_OK ? commit(output, error) : status;
+    return status == SOFTSIM_OK ? leftover_commit(output, error) : status;
 }
 
 static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, organ *o,
@@ -753,10 +747,7 @@ static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, o
     choose_tool(q, o);
     choose_fixed(q, mesh, o);
     status = check_fixed(q, o, error);
-    status = status == SOFTSIM_OK ? ss_output_open(output, q->out, error) : status;
-    if (status == SOFTSIM_OK) {
-        leftover_watch(output->temporary);
-    }
+    status = status == SOFTSIM_OK ? leftover_open(output, q->out, error) : status;
     status = status == SOFTSIM_OK ? choose_model(q, output, o, error) : status;
     status = status == SOFTSIM_OK ? write_text(output, o, false, error) : status;
     return status == SOFTSIM_OK ? finish(q, output, o, error) : status;
@@ -780,8 +771,7 @@ static int write_scene(const void *what, softsim_error *error)
     softsim_status status = load(q, &o, &mesh, error);
     status = status == SOFTSIM_OK ? make(q, mesh, &output, &o, error) : status;
     ss_progress_end();
-    leftover_forget(output.temporary);
-    ss_output_abandon(&output);
+    leftover_abandon(&output);
     ss_mesh_destroy(&mesh);
     if (status != SOFTSIM_OK) {
         return 2;
