@@ -280,11 +280,19 @@ static softsim_status plot(const report *r, int32_t first, int32_t end, ss_page 
                     f->bytes[1] / f->bytes[0], f->create_ms[1] / f->create_ms[0]);
         }
     }
+    fputs("EOD\nset ytics (", script.file);
+    for (int32_t i = first, k = 0; i < end; ++i) {
+        if (r->rows[i].kind == MEASURED) {
+            fprintf(script.file, "%s\"%s\" %d", k > 0 ? ", " : "", r->rows[i].name, k);
+            ++k;
+        }
+    }
     fprintf(script.file,
-            "EOD\nset yrange [%g:-0.6]\nset xrange [0.5:*]\nset logscale x 2\nset grid x\n"
-            "set xlabel 'with it, over without it'\nset key outside top center horizontal\n"
+            ")\nset yrange [%g:-0.6]\nset xrange [0.5:*]\nset logscale x 2\nset grid x\n"
+            "set xlabel 'with it, over without it'\nset key outside top right horizontal samplen 1 "
+            "width -2\n"
             "set style fill solid 1\nplot for [k=0:3] $pairs using "
-            "((column(k+2)+1)/2):($0-0.27+0.18*k):(abs(column(k+2)-1)/2):(0.08):ytic(1) with "
+            "((column(k+2)+1)/2):($0-0.27+0.18*k):(abs(column(k+2)-1)/2):(0.08) with "
             "boxxyerror lc k+1 title word('pressed at-rest bytes start-up', k+1)\n",
             count - 0.4);
     return ss_page_plot(page, &script, name, r->rows[first].scene, error);
