@@ -8,14 +8,14 @@
 #include "rt/plain.h"
 #include "rt/printer.h"
 
-static void __attribute__((format(printf, 4, 0)))
-hand_over(const ss_notes *to, ss_note_kind kind, const char *where, const char *format,
-          va_list arguments)
+static void __attribute__((format(printf, 5, 0)))
+hand_over(const ss_notes *to, ss_note_kind kind, const char *where, const char *put_back,
+          const char *format, va_list arguments)
 {
     char text[SS_LINE_SIZE];
     vsnprintf(text, sizeof text, format, arguments);
     ss_plain_clean(text);
-    const ss_note note = {kind, where, text};
+    const ss_note note = {kind, where, text, put_back};
     to->take(to->sink, &note);
 }
 
@@ -23,15 +23,16 @@ void ss_note_used(const ss_notes *to, const char *where, const char *format, ...
 {
     va_list arguments;
     va_start(arguments, format);
-    hand_over(to, SS_NOTE_USED, where, format, arguments);
+    hand_over(to, SS_NOTE_USED, where, NULL, format, arguments);
     va_end(arguments);
 }
 
-void ss_note_left_out(const ss_notes *to, const char *where, const char *format, ...)
+void ss_note_left_out(const ss_notes *to, const char *where, const char *put_back,
+                      const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    hand_over(to, SS_NOTE_LEFT_OUT, where, format, arguments);
+    hand_over(to, SS_NOTE_LEFT_OUT, where, put_back, format, arguments);
     va_end(arguments);
 }
 
@@ -39,7 +40,7 @@ void ss_note_warning(const ss_notes *to, const char *where, const char *format, 
 {
     va_list arguments;
     va_start(arguments, format);
-    hand_over(to, SS_NOTE_WARNING, where, format, arguments);
+    hand_over(to, SS_NOTE_WARNING, where, NULL, format, arguments);
     va_end(arguments);
 }
 

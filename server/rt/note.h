@@ -16,6 +16,9 @@ typedef struct ss_note {
      * ("object.fixed"). */
     const char *where;
     const char *text; /* one line, without control characters; of what is left out: why */
+    /* Of what is left out: the values of the scene, PATH=VALUE parted by ';', with which the plan
+     * has it all the same and every result is what it is without; NULL: no values do that. */
+    const char *put_back;
 } ss_note;
 
 /* Where they go. A note is valid during the call. */
@@ -27,8 +30,8 @@ typedef struct ss_notes {
 /* Notes of one kind each; what is beyond SS_LINE_SIZE is cut off. */
 void ss_note_used(const ss_notes *to, const char *where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-void ss_note_left_out(const ss_notes *to, const char *where, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+void ss_note_left_out(const ss_notes *to, const char *where, const char *put_back,
+                      const char *format, ...) __attribute__((format(printf, 4, 5)));
 void ss_note_warning(const ss_notes *to, const char *where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

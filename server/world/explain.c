@@ -2,6 +2,7 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /* The plan of a world, for --explain: a note per fact, for people or as JSON. */
 #include <math.h>
+#include <stdio.h>
 
 #include "rt/memory.h"
 #include "rt/note.h"
@@ -70,6 +71,32 @@ static bool explain_tools(const ss_scene *scene, const ss_notes *out)
     return has_convex;
 }
 
+/* A ball of a tenth of the body that never comes is a tool, too. */
+static void leave_out_contact(const ss_world *world, const ss_notes *out)
+{
+    char put_back[128];
+    (void)snprintf(put_back, sizeof put_back,
+                   "contact.tools=[{probe: 0, shape: {sphere: {radius_mm: %.6g}}}]",
+                   100.0 * ss_mesh_diagonal(world->scene->mesh));
+    ss_note_left_out(out, "contact", put_back,
+                     "no tool: no haptic thread, no contact surface, no columns of a network");
+}
+
+/* No force on the first node of the surface that is free. */
+static void leave_out_loads(const ss_world *world, const ss_notes *out)
+{
+    const ss_scene *scene = world->scene;
+    int32_t node = -1;
+    for (int32_t k = 0; node < 0 && k < 3 * scene->mesh->triangle_count; ++k) {
+        const int32_t corner = scene->mesh->triangle[k / 3][k % 3];
+        node = scene->fixed[corner] == 0 ? ss_mesh_file_node(scene->mesh, corner) : -1;
+    }
+    char put_back[64];
+    (void)snprintf(put_back, sizeof put_back, "loads=[{nodes: [%d], force_n: [0, 0, 0]}]", node);
+    ss_note_left_out(out, "loads and prescribed displacements", node >= 0 ? put_back : NULL,
+                     "none");
+}
+
 /* Rates, costs and threads of the loops. */
 static void explain_loops(const ss_world *world, const ss_notes *out)
 {
@@ -95,16 +122,17 @@ static void explain_loops(const ss_world *world, const ss_notes *out)
                  count > 1 ? names[1] : "", count > 2 ? ", " : "", count > 2 ? names[2] : "",
                  count > 3 ? ", " : "", count > 3 ? names[3] : "");
     if (world->sleep) {
-        ss_note_used(out, "simulation.sleep",
-                     "a body at rest for a second is not stepped until something reaches it");
+        ss_note_left_out(out, "steps at rest", "simulation.sleep=off",
+                         "a body at rest for a second is not stepped until something reaches it");
     } else {
-        ss_note_left_out(out, "sleep of a body at rest", "simulation.sleep is off");
+        ss_note_used(out, "simulation.sleep", "off: a body at rest is stepped, too");
     }
     if (!world->used_probes) {
-        ss_note_left_out(out, "haptic thread, contact surface", "no tools");
+        leave_out_contact(world, out);
     }
     if (!world->surface) {
-        ss_note_left_out(out, "mesh publisher, its thread and its snapshots", "mesh_rate_hz 0");
+        ss_note_left_out(out, "mesh publisher", "publish.mesh_rate_hz=60",
+                         "publish.mesh_rate_hz is 0: no snapshots, and no thread");
     } else {
         ss_note_used(out, "publish", "%d nodes, %d triangles, %.4g Hz, at most %.4g bytes/s",
                      world->drawn.node_count, world->drawn.triangle_count, scene->mesh_rate_hz,
@@ -122,10 +150,10 @@ void ss_world_explain(const ss_world *world, const ss_notes *out)
     const bool has_convex = explain_tools(scene, out);
     explain_loops(world, out);
     if (!has_convex) {
-        ss_note_left_out(out, "convex narrow phase", "no convex-mesh tool");
+        ss_note_left_out(out, "convex narrow phase", NULL, "no convex-mesh tool");
     }
     if (scene->load_count == 0 && scene->prescribed_count == 0) {
-        ss_note_left_out(out, "loads and prescribed displacements", "none");
+        leave_out_loads(world, out);
     } else {
         ss_note_used(out, "loads", "%d, prescribed sets: %d", scene->load_count,
                      scene->prescribed_count);

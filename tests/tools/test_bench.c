@@ -15,7 +15,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "bench/bench.h"
 #include "bench/core/child.h"
 #include "bench/core/element_speed.h"
 #include "bench/core/report.h"
@@ -24,7 +23,6 @@
 #include "bench/latency/session.h"
 #include "case/samples.h"
 #include "case/scratch.h"
-#include "case/table.h"
 #include "common/folder_fixture.h"
 #include "process.h"
 
@@ -331,28 +329,6 @@ static void make_inner(const char *in, const char *name, bool is_folder)
     snprintf(path, sizeof path, "%s/%s", in, name);
     FILE *file = is_folder ? NULL : fopen(path, "w");
     assert_int_equal(is_folder ? mkdir(path, 0700) : fclose(file), 0);
-}
-
-/* No softsim-mesh is beside this test, so that every run is lost at once: its row is there. */
-TEST(a_row_of_the_ablation_has_the_columns_of_its_head)
-{
-    char out[128], *argv[] = {"softsim-bench ablation", "--out", out, NULL};
-    ss_table table;
-    softsim_error error = {.status = SOFTSIM_OK};
-    snprintf(out, sizeof out, "%s", in_folder("ablation"));
-    const int kept = divert(stdout, "/dev/null");
-    assert_int_equal(ss_report_ablation.run(3, argv), 0);
-    restore(stdout, kept);
-    if (ss_table_load(in_folder("ablation/ablation.csv"), &table, &error) != SOFTSIM_OK) {
-        fail_msg("%s", error.text);
-    }
-    assert_true(table.row_count > 0);
-    const int32_t note = ss_table_find(&table, "note", &error);
-    for (int32_t i = 0; i < table.row_count; ++i) {
-        assert_non_null(strstr(ss_table_cell(&table, i, note), "softsim-mesh"));
-    }
-    ss_table_fini(&table);
-    ss_scratch_remove(out);
 }
 
 TEST(temporary_folders_go_with_what_is_in_them)

@@ -27,11 +27,12 @@
 #include "rt/real.h"
 #include "softsim/log.h"
 #include "softsim/softsim.h"
+#include "world/omission.h"
 #include "world/world.h"
 
 typedef struct run_options {
     const char *scene, *poses, *csv, *reactions, *nodes, *vtk;
-    ss_arg_list set;
+    ss_arg_list set, force_include;
     double step_s, duration_s;
     int64_t threads, every;
     bool hash;
@@ -39,6 +40,7 @@ typedef struct run_options {
 
 typedef struct run {
     run_options options;
+    ss_omission omission[SS_MAX_OMISSIONS]; /* of the plan, where some are put back */
     softsim_world *world;
     softsim_state state;
     softsim_poses *log; /* event log; NULL without */
@@ -105,6 +107,9 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
          "simulated seconds (default: to the end of the poses)"},
         {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N", "results do not depend on it"},
         SS_LIST("--set", &o.set, "PATH=VALUE", "overrides one scene value"),
+        SS_LIST("--force-include", &o.force_include, "NAME",
+                "has what the plan leaves out all the same, by its name in softsimd --explain;\n"
+                "softsim-bench ablation checks that results stay as they are"),
         SS_TEXT("--csv", &o.csv, "OUT", csv_help),
         SS_TEXT("--reactions", &o.reactions, "OUT", reactions_help),
         SS_TEXT("--nodes", &o.nodes, "OUT", nodes_help),
@@ -471,13 +476,52 @@ static void tell_turns(const run *r)
     }
 }
 
-static softsim_status execute(run *r, softsim_error *error)
+static softsim_config config_of(const run *r)
 {
     softsim_config config = softsim_default_config();
     config.set = r->options.set.value;
     config.set_count = r->options.set.count;
     config.threads = (int32_t)r->options.threads;
     config.step_s = r->options.step_s;
+    return config;
+}
+
+/* The values that put back what was asked for, as if they were given with --set. */
+static softsim_status put_back(run *r, softsim_error *error)
+{
+    const ss_arg_list *names = &r->options.force_include;
+    ss_arg_list *set = &r->options.set;
+    if (names->count == 0) {
+        return SOFTSIM_OK;
+    }
+    const softsim_config config = config_of(r);
+    softsim_world *world = softsim_create(r->options.scene, &config, error);
+    if (!world) {
+        return error->status;
+    }
+    const int32_t count = ss_world_omissions(ss_world_of(world), r->omission);
+    softsim_destroy(&world);
+    for (int32_t i = 0; i < names->count; ++i) {
+        const ss_omission *found = ss_omission_find(r->omission, count, names->value[i], error);
+        for (int32_t k = 0; found != NULL && k < found->value_count; ++k) {
+            if (set->count == SS_ARG_LIST_MAX) {
+                softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                                  "--force-include and --set: more than %d values",
+                                  SS_ARG_LIST_MAX);
+                return error->status;
+            }
+            set->value[set->count++] = found->value[k];
+        }
+    }
+    return error->fault_count > 0 ? error->status : SOFTSIM_OK;
+}
+
+static softsim_status execute(run *r, softsim_error *error)
+{
+    if (put_back(r, error) != SOFTSIM_OK) {
+        return error->status;
+    }
+    softsim_config config = config_of(r);
     if (config.step_s == 0.0 && !r->options.poses) {
         /* Loads only: step and tick are one, the haptic period. */
         softsim_world *world = softsim_create(r->options.scene, &config, error);

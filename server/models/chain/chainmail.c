@@ -498,7 +498,7 @@ static void explain(const ss_model *model, const ss_notes *out)
                         "the working force over the tool's radius; give contact.working_force_n "
                         "instead");
     }
-    ss_note_left_out(out, "forces, energies, reactions",
+    ss_note_left_out(out, "forces, energies, reactions", NULL,
                      "there are none in a chain; the felt force is the coupling's, working force "
                      "over tool radius times the dent");
 }

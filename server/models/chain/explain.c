@@ -30,10 +30,10 @@ static void explain_net(const ss_model *model, const ss_notes *out)
         ss_note_used(out, "coarse level", "%d cells, %.2f MB", ss_chain_coarse_cells(model->coarse),
                      (double)ss_chain_coarse_bytes(model->coarse) / 1048576.0);
     } else {
-        ss_note_left_out(out, "coarse level", "none asked for, or too few elements for one");
+        ss_note_left_out(out, "coarse level", NULL, "none asked for, or too few elements for one");
     }
     if (model->coarse || isfinite(model->saturation)) {
-        ss_note_left_out(out, "active set", "%s touches every element",
+        ss_note_left_out(out, "active set", NULL, "%s touches every element",
                          ss_chain_is_aggregated(model) ? "an aggregated cell"
                          : model->coarse               ? "the coarse level"
                                                        : "saturation");
@@ -44,7 +44,7 @@ static void explain_net(const ss_model *model, const ss_notes *out)
         ss_note_used(out, "tet guard", "%d tetrahedra are kept above a fifth of their volume",
                      mesh->tetrahedron_count);
     } else {
-        ss_note_left_out(out, "tet guard", "no tetrahedra, or tet_guard is 0");
+        ss_note_left_out(out, "tet guard", NULL, "no tetrahedra, or tet_guard is 0");
     }
 }
 
@@ -58,7 +58,7 @@ static void explain_material(const ss_model *model, const ss_notes *out)
         ss_note_used(out, "leak", "back to the rest shape in about %.3g s",
                      model->capacitance / model->leak);
     } else {
-        ss_note_left_out(out, "leak", "what is slack stays where it was pushed");
+        ss_note_left_out(out, "leak", NULL, "what is slack stays where it was pushed");
     }
     if (!(model->leak > 0.0) && model->plan.mesh->tetrahedron_count == 0) {
         ss_note_used(out, "held press",
@@ -68,7 +68,7 @@ static void explain_material(const ss_model *model, const ss_notes *out)
     if (isfinite(model->saturation)) {
         ss_note_used(out, "saturation", "%.4g m", model->saturation);
     } else {
-        ss_note_left_out(out, "saturation of cells", "none given");
+        ss_note_left_out(out, "saturation of cells", "model.saturation_sizes=1e6", "none given");
     }
     ss_note_used(out, "capacitance",
                  "%.4g s (%s); stable step %.4g s, %.0f sub-steps of a step of %.4g s",
@@ -99,8 +99,5 @@ void ss_chain_explain(const ss_model *model, const ss_notes *out)
                         "not used: with source: current the contact stiffness follows from "
                         "link_stiffness_n_per_m and the area of a cell; give source: position, or "
                         "leave the key out");
-    }
-    if (!model->tools.surface) {
-        ss_note_left_out(out, "contact", "no tool");
     }
 }

@@ -178,23 +178,21 @@ static void explain_network(const ss_model *model, const ss_notes *out)
     if (is_volume) {
         ss_note_used(out, "volume", "%d cells inside, which no tool or load touches", inner);
     } else if (inner > 0) {
-        ss_note_left_out(out, "inner nodes", "%d of the volume mesh, at rest: domain is surface",
-                         inner);
+        ss_note_left_out(out, "inner nodes", NULL,
+                         "%d of the volume mesh, at rest: domain is surface", inner);
     }
     if (model->relax) {
         explain_relaxation(model->relax, out);
     } else {
-        ss_note_left_out(out, "the network's own time", "solver is equilibrium");
+        ss_note_left_out(out, "the network's own time", NULL, "solver is equilibrium");
     }
     if (model->relax) {
-        ss_note_left_out(out, "settled columns", "solver is relaxation");
+        ss_note_left_out(out, "settled columns", NULL, "solver is relaxation");
     } else if (network->influence_count > 0) {
         ss_note_used(out, "columns", "%d, %s, %.1f MB", network->influence_count,
                      network->is_compact ? "as potentials, rebuilt when a cell is touched"
                                          : "as flux densities",
                      megabytes((double)ss_cnn_network_influence_bytes(network)));
-    } else {
-        ss_note_left_out(out, "columns", "no tool");
     }
     const ss_cnn_factor *factor = network->factor;
     if (factor->is_given_up) {
@@ -213,7 +211,7 @@ static void explain_network(const ss_model *model, const ss_notes *out)
             model->set->block_count, model->set->block_size, model->set->active_nodes,
             model->set->tolerance);
     } else {
-        ss_note_left_out(out, "active window", "%s", model->window_reason);
+        ss_note_left_out(out, "active window", NULL, "%s", model->window_reason);
     }
     ss_note_used(out, "kernels", "%s, %s", model->kernels->name,
                  sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");
@@ -235,6 +233,23 @@ static void explain_modulus(const ss_model *model, const ss_notes *out)
     }
 }
 
+/* Where rho is the same everywhere, it can be given as that of two directions. */
+static void leave_out_anisotropy(const ss_model *model, const ss_notes *out)
+{
+    const double *rho = model->material.rho;
+    char put_back[160];
+    bool is_same = true;
+    for (int32_t i = 1; i < model->node_count; ++i) {
+        is_same = is_same && rho[i] == rho[0];
+    }
+    (void)snprintf(put_back, sizeof put_back,
+                   "model.rho=1;model.rho_direction=%.17g;model.rho_across=%.17g;"
+                   "model.material_direction=[0, 0, 1]",
+                   rho[0], rho[0]);
+    ss_note_left_out(out, "anisotropy", is_same ? put_back : NULL,
+                     "rho is the same in all directions");
+}
+
 static void explain_rho(const ss_model *model, const ss_notes *out)
 {
     const ss_cnn_material *m = &model->material;
@@ -250,7 +265,7 @@ static void explain_rho(const ss_model *model, const ss_notes *out)
                      "rho across the material direction is %.4g to %.4g times that along", low,
                      high);
     } else {
-        ss_note_left_out(out, "anisotropy", "rho is the same in all directions");
+        leave_out_anisotropy(model, out);
     }
 }
 
@@ -262,7 +277,8 @@ static void explain_material(const ss_model *model, const ss_notes *out)
     if (m->pretension > 0.0) {
         ss_note_used(out, "pretension", "%.6g J", m->pretension);
     } else {
-        ss_note_left_out(out, "pretension", "pretension_j is 0");
+        ss_note_left_out(out, "pretension", model->is_held ? "model.pretension_j=1e-30" : NULL,
+                         "pretension_j is 0");
     }
     if (model->normal) {
         for (int32_t k = 0; k < model->enclosed_count && k < MOST_BODIES; ++k) {
@@ -274,20 +290,22 @@ static void explain_material(const ss_model *model, const ss_notes *out)
                          model->enclosed_count - MOST_BODIES);
         }
     } else {
-        ss_note_left_out(out, "enclosed volume", "enclosed_bulk_pa is 0");
+        const bool may_be = model->is_held && model->plan.mesh->is_closed;
+        ss_note_left_out(out, "enclosed volume", may_be ? "model.enclosed_bulk_pa=1e-30" : NULL,
+                         "enclosed_bulk_pa is 0");
     }
     if (isfinite(m->saturation)) {
         ss_note_used(out, "saturation", "cells at %.6g%s", m->saturation,
                      model->saturation ? ", shared by the sources without a tool" : "");
     } else {
-        ss_note_left_out(out, "saturation of cells", "none given");
+        ss_note_left_out(out, "saturation of cells", "model.saturation=1e12", "none given");
     }
     if (model->is_one_cell) {
         ss_note_used(out, "source",
                      "the contact cell alone; under a tool it stays where the touch began");
     }
     if (model->is_held) {
-        ss_note_left_out(out, "rigid fit of the rest shape", "the supports hold the body");
+        ss_note_left_out(out, "rigid fit of the rest shape", NULL, "the supports hold the body");
     } else {
         ss_note_used(out, "rest shape",
                      "follows the body's rigid motion (too few supports to hold it)");
@@ -333,8 +351,6 @@ static void explain_tools(const ss_model *model, const ss_notes *out)
                      (long long)ss_surface_sample_count(model->tools.surface));
         ss_tools_say_friction(plan, out);
         ss_tools_say_grasp(plan, out);
-    } else {
-        ss_note_left_out(out, "contact", "no tool");
     }
 }
 

@@ -445,10 +445,11 @@ void ss_body_explain(const ss_body *body, const ss_notes *out)
         ss_tools_warn_unheld(&body->tools, body->is_held, out);
     }
     if (!(body->own.mass_damping > 0.0)) {
-        ss_note_left_out(out, "mass damping", "mass_damping_per_s is 0");
+        ss_note_left_out(out, "mass damping", "model.mass_damping_per_s=1e-30",
+                         "mass_damping_per_s is 0");
     }
     if (!body->has_gravity) {
-        ss_note_left_out(out, "gravity", "gravity_m_s2 is 0");
+        ss_note_left_out(out, "gravity", "gravity_m_s2=[0, 0, -1e-60]", "gravity_m_s2 is 0");
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (body->tools.tool[k].is_used) {
@@ -460,7 +461,5 @@ void ss_body_explain(const ss_body *body, const ss_notes *out)
                      (long long)ss_surface_sample_count(body->tools.surface));
         ss_tools_say_friction(&body->plan, out);
         ss_tools_say_grasp(&body->plan, out);
-    } else {
-        ss_note_left_out(out, "contact", "no tool");
     }
 }

@@ -5,6 +5,7 @@
  * The elastic body of tetrahedra: its parts put together, and what it says of itself.
  */
 #include "models/common/dispatch.h"
+#include "models/common/plan.h"
 #include "rt/memory.h"
 #include "rt/note.h"
 
@@ -83,14 +84,14 @@ void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material, const ss
         ss_note_used(out, "locking",
                      "dilatation resisted by nodes in %.0f elements; a second sweep", cured);
     } else {
-        ss_note_left_out(out, "cure for locking, and its sweep", "%s",
+        ss_note_left_out(out, "cure for locking, and its sweep", NULL, "%s",
                          "no element above Poisson's ratio 0.45, or switched off");
     }
     if (fem->blocks.viscosity) {
         ss_note_used(out, "viscosity", "at most %.4g s of the elastic stiffness",
                      fem->viscous_time);
     } else {
-        ss_note_left_out(out, "velocity pass", "no viscosity");
+        ss_note_left_out(out, "velocity pass", SS_PLAN_PUT_BACK_VISCOSITY, "no viscosity");
     }
     ss_note_used(out, "stable step of the elastic body",
                  "%.4g s by power iteration, of which half is taken; assembled bound %.4g s%s",

@@ -28,6 +28,9 @@ void ss_plan_viscosity(const ss_model_plan *plan, const int row[3], const double
                        const double *mu, ss_arena *arena, double **out_phi, double **out_psi,
                        double *out_time);
 
+/* The scene's value with which ss_plan_viscosity gives some that rounds away. */
+#define SS_PLAN_PUT_BACK_VISCOSITY "model.viscosity_phi_pa_s=1e-30"
+
 /* Does the set prescribe axis `k` of its node `i`? */
 bool ss_plan_is_prescribed(const ss_prescribed *set, int32_t i, int k);
 /* The prescribed axes of node `i` of the set: bit 0 x, 1 y, 2 z. */

@@ -138,7 +138,7 @@ void ss_tools_say_friction(const ss_model_plan *plan, const ss_notes *out)
         ss_note_used(out, "contact.friction", "%.3g, a spring along the surface each sample",
                      plan->friction);
     } else {
-        ss_note_left_out(out, "friction", "contact.friction is 0");
+        ss_note_left_out(out, "friction", "contact.friction=1e-30", "contact.friction is 0");
     }
 }
 
@@ -148,7 +148,8 @@ void ss_tools_say_grasp(const ss_model_plan *plan, const ss_notes *out)
         ss_note_used(out, "contact.grasp_max_force_n",
                      "%.3g N, a grasp with a larger reaction is torn", plan->grasp_max_force);
     } else {
-        ss_note_left_out(out, "torn grasps", "contact.grasp_max_force_n is not given");
+        ss_note_left_out(out, "torn grasps", "contact.grasp_max_force_n=1000",
+                         "contact.grasp_max_force_n is not given");
     }
 }
 

@@ -221,7 +221,7 @@ static void explain(const ss_model *model, const ss_notes *out)
     if (model->has_viscosity) {
         ss_note_used(out, "viscosity", "in the same products");
     } else {
-        ss_note_left_out(out, "velocity pass", "no viscosity");
+        ss_note_left_out(out, "velocity pass", SS_PLAN_PUT_BACK_VISCOSITY, "no viscosity");
     }
     if (model->material.largest_poisson > POISSON_WARNING) {
         ss_note_warning(out, "model.poisson_ratio",

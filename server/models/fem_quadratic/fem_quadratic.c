@@ -244,7 +244,8 @@ static void explain(const ss_model *model, const ss_notes *out)
                                                    : "follow the surface's normals",
                      model->raised.straightened_side_count);
     } else {
-        ss_note_left_out(out, "curved sides", "%s", "none of the surface is smooth, or curved: no");
+        ss_note_left_out(out, "curved sides", NULL, "%s",
+                         "none of the surface is smooth, or curved: no");
     }
     ss_note_used(
         out, "mass scaling",
@@ -256,7 +257,7 @@ static void explain(const ss_model *model, const ss_notes *out)
         ss_note_used(out, "viscosity", "at most %.4g s of the elastic stiffness",
                      own->viscous_time);
     } else {
-        ss_note_left_out(out, "velocity pass", "%s", "no viscosity");
+        ss_note_left_out(out, "velocity pass", SS_PLAN_PUT_BACK_VISCOSITY, "no viscosity");
     }
     ss_note_used(out, "stable step of the elastic body",
                  "%.4g s by power iteration, of which %.2g is taken", ss_quadratic_rest_step(own),

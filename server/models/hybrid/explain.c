@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "mesh/tetrahedron.h"
+#include "models/common/plan.h"
 #include "rt/memory.h"
 #include "rt/note.h"
 #include "rt/vec.h"
@@ -143,10 +144,11 @@ void ss_hybrid_explain(const ss_model *model, const ss_notes *out)
             "whole volumes, and the layer takes part of the core's: left out");
     }
     if (!(hybrid->cohesion > 0.0)) {
-        ss_note_left_out(out, "cohesion", "lennard_jones_share 0");
+        ss_note_left_out(out, "cohesion", "model.layer.lennard_jones_share=1e-30",
+                         "lennard_jones_share 0");
     }
     if (hybrid->material.phi == NULL) {
-        ss_note_left_out(out, "velocity gradients", "no viscosity");
+        ss_note_left_out(out, "velocity gradients", SS_PLAN_PUT_BACK_VISCOSITY, "no viscosity");
     }
     ss_body_explain(hybrid->body, out);
 }

@@ -511,7 +511,8 @@ static void explain(const ss_model *model, const ss_notes *out)
     if (model->has_dampers) {
         ss_note_used(out, "dampers", "along every spring");
     } else {
-        ss_note_left_out(out, "dampers", "viscosity_psi_pa_s is 0");
+        ss_note_left_out(out, "dampers", "model.viscosity_psi_pa_s=1e-30",
+                         "viscosity_psi_pa_s is 0");
     }
     ss_body_explain(model->body, out);
 }

@@ -1,361 +1,331 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * softsim-bench ablation: what each omission of the plan is worth. A scene is run twice, once as
- * it is meant, where the plan leaves something out, and once so that it is needed after all but
- * changes nothing, or next to nothing: time of a tick, bytes held, set-up, and how far apart the
- * results are. Both worlds are made in one process and take turns, so that a machine that drifts
- * drifts for both.
+ * softsim-bench ablation: what each omission of a scene's plan is worth. Every one that can be put
+ * back is, one by one (pair.h); the results must be the same, or its row fails. One run a scene.
  */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/ablation/pair.h"
 #include "bench/bench.h"
 #include "bench/core/report.h"
 #include "bench/core/sweep.h"
-#include "bench/scaling/block.h"
-#include "case/samples.h"
-#include "case/scratch.h"
-#include "models/model.h"
-#include "process.h"
+#include "bench/felt/scenes.h"
 #include "rt/args.h"
-#include "rt/clock.h"
-#include "rt/memory.h"
-#include "rt/vec.h"
 #include "softsim/softsim.h"
 
-enum { PATH_SIZE = 4352, WARM_TICKS = 100, TURN_TICKS = 50 };
-static const double size_m = 0.1, tick_s = 1e-3;
-static const double tool_radius_m = 0.01, tool_depth_m = 0.003, tool_speed_m_s = 0.1;
-static const double run_timeout_s = 600.0;
+enum { NUMBERS = 12, TEXT = 400 };
+static const double run_timeout_s = 1800.0;
+/* Less is no gain: in every turn, in every creation, and in bytes, which are counted. */
+static const double tick_gain = 1.03, create_gain = 1.1, byte_gain = 1.01;
 
-/* One omission. Lines of the scene are whole keys; `model_*` stand under `model`. */
-typedef struct omission {
-    const char *name, *model;
-    bool is_surface;
-    int32_t points;
-    const char *common; /* under `model`: the material */
-    const char *model_without, *model_with, *scene_without, *scene_with;
-    enum { LOAD, TOOL, NOTHING } act;
-} omission;
+typedef enum row_kind { MEASURED, NOT_POSSIBLE, LOST } row_kind;
 
-#define CNN_SURFACE                                                                                \
-    "  modulus_j: 5\n  pretension_j: 0.5\n  enclosed_bulk_pa: 2000\n"                              \
-    "  area_density_kg_m2: 11.5\n  damping_n_s_per_m3: 1725\n"                                     \
-    "  rest_stiffness_n_per_m3: 5.0e+4\n"
-#define CNN_VOLUME                                                                                 \
-    "  domain: volume\n  modulus_j: 5\n  density_kg_m3: 1000\n  damping_n_s_per_m4: 1.5e+5\n"      \
-    "  rest_stiffness_n_per_m4: 4.3e+6\n"
-#define SOLID                                                                                      \
-    "  youngs_modulus_pa: 1.0e+4\n  poisson_ratio: 0.4\n  density_kg_m3: 1000\n"                   \
-    "  mass_damping_per_s: 60\n"
-#define SPHERE    "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 10}}}]}\n"
-#define CONVEX    "contact: {tools: [{probe: 0, shape: {convex: {file: ball.obj, units: mm}}}]}\n"
-#define PUBLISHER "publish: {mesh_rate_hz: 60}\n"
-#define SILENT    "publish: {mesh_rate_hz: 0}\n"
-
-static const omission omissions[] = {
-    {"mesh publisher", "cnn-energy", true, 5000, CNN_SURFACE, "", "", SILENT, PUBLISHER, LOAD},
-    {"arrays of anisotropy", "cnn-energy", true, 5000, CNN_SURFACE, "  rho: 1\n",
-     "  rho_direction: 1\n  rho_across: 1\n  material_direction: [0, 0, 1]\n", SILENT, SILENT,
-     LOAD},
-    {"saturation", "cnn-energy", true, 2000, CNN_SURFACE, "", "  saturation: 1.0e+12\n", SILENT,
-     SILENT, LOAD},
-    {"nodes that follow (window)", "cnn-energy", false, 20000, CNN_VOLUME, "",
-     "  window_tolerance: 0\n", SILENT, SILENT, LOAD},
-    {"columns, without a tool", "cnn-energy", true, 2000, CNN_SURFACE, "", "", SILENT,
-     SILENT SPHERE, NOTHING},
-    {"convex mesh, with a sphere", "cnn-energy", true, 2000, CNN_SURFACE, "", "", SILENT SPHERE,
-     SILENT CONVEX, TOOL},
-    {"the network's own time", "cnn-energy", true, 2000, CNN_SURFACE, "",
-     "  solver: relaxation\n  relaxation_steps: 100\n", SILENT, SILENT, LOAD},
-    {"saturation", "cnn-chainmail", false, 5000, "  link_stiffness_n_per_m: 200\n", "",
-     "  saturation_sizes: 1.0e+6\n", SILENT, SILENT, LOAD},
-    {"velocity pass", "fem", false, 5000, SOLID, "", "  viscosity_phi_pa_s: 1.0e-9\n", SILENT,
-     SILENT, LOAD},
-    {"mesh publisher", "fem", false, 5000, SOLID, "", "", SILENT, PUBLISHER, LOAD},
-    {"particles at rest", "hybrid", false, 1000,
-     SOLID "  layer: {spacing_m: 0.005, thickness_m: 0.005", "}\n",
-     ", activate_m: 1.0e-9, deactivate_m: 2.0e-9, max_active: 100000}\n", SILENT, SILENT, LOAD},
-};
-enum { OMISSIONS = sizeof omissions / sizeof *omissions };
-
-/* What was measured, [0] without and [1] with what the plan leaves out. */
-typedef struct figures {
-    double tick_us[2], create_ms[2], bytes[2];
-    double apart; /* share of the largest displacement */
-    char note[200];
-} figures;
-
-/* ---- a pair ---- */
+typedef struct row {
+    row_kind kind;
+    char scene[SS_FELT_NAME_SIZE], name[SS_OMISSION_TEXT], note[TEXT];
+    ss_ablation_figures figures;
+} row;
 
 typedef struct report {
     const char *out;
-    char folder[SS_SCRATCH_PATH];
-    int32_t index[OMISSIONS]; /* those whose model is built in */
-    int32_t count;
+    ss_arg_list asked, force_include;
+    ss_felt_scenes scenes;
+    row *rows;
+    int32_t count, failed;
 } report;
 
-/* A ball of triangles for the convex tool, mm: as many faces as a file of a user's. */
-static bool write_ball(const char *path)
-{
-    enum { RINGS = 8, AROUND = 16 };
-    FILE *file = fopen(path, "we");
-    if (file == NULL) {
-        return false;
-    }
-    const double radius = 1e3 * tool_radius_m;
-    fprintf(file, "v 0 0 %.9g\nv 0 0 %.9g\n", radius, -radius);
-    for (int i = 1; i < RINGS; ++i) {
-        const double polar = M_PI * i / RINGS;
-        for (int j = 0; j < AROUND; ++j) {
-            const double turn = 2.0 * M_PI * j / AROUND;
-            fprintf(file, "v %.9g %.9g %.9g\n", radius * sin(polar) * cos(turn),
-                    radius * sin(polar) * sin(turn), radius * cos(polar));
-        }
-    }
-    for (int j = 0; j < AROUND; ++j) {
-        const int next = (j + 1) % AROUND, last = 3 + (RINGS - 2) * AROUND;
-        fprintf(file, "f 1 %d %d\nf 2 %d %d\n", 3 + j, 3 + next, last + next, last + j);
-        for (int i = 0; i < RINGS - 2; ++i) {
-            const int a = 3 + i * AROUND;
-            fprintf(file, "f %d %d %d\nf %d %d %d\n", a + j, a + AROUND + j, a + AROUND + next,
-                    a + j, a + AROUND + next, a + next);
-        }
-    }
-    return fclose(file) == 0;
-}
+/* ---- a scene ---- */
 
-static softsim_status write_scene(const omission *o, const char *mesh, int32_t node, bool is_with,
-                                  const char *path, softsim_error *error)
-{
-    FILE *file = ss_block_scene(path, mesh, error);
-    if (file == NULL) {
-        return SOFTSIM_ERROR_FILE;
-    }
-    fprintf(file, "model:\n  name: %s\n%s%s", o->model, o->common,
-            is_with ? o->model_with : o->model_without);
-    fprintf(file, "simulation: {rate_hz: 1000, sleep: off}\n%s",
-            is_with ? o->scene_with : o->scene_without);
-    if (o->act == LOAD) {
-        fprintf(file,
-                "loads:\n  - {nodes: [%d], force_n: [0, 0, -0.01], from_s: 0, ramp_s: 0.02}\n",
-                node);
-    }
-    if (fclose(file) != 0) {
-        softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot be written", path);
-        return SOFTSIM_ERROR_FILE;
-    }
-    return SOFTSIM_OK;
-}
-
-static softsim_world *create(const char *path, double *out_ms, double *out_bytes,
-                             softsim_error *error)
+static softsim_status plan(const char *scene, ss_omission out[SS_MAX_OMISSIONS], int32_t *out_count,
+                           softsim_error *error)
 {
     const softsim_config config = softsim_default_config();
-    const int64_t before = ss_memory_in_use(), begin_ns = ss_clock_thread_cpu_ns();
-    softsim_world *world = softsim_create(path, &config, error);
-    *out_ms = 1e-6 * (double)(ss_clock_thread_cpu_ns() - begin_ns);
-    *out_bytes = (double)(ss_memory_in_use() - before);
-    return world;
-}
-
-/* Ticks k, k + 1, ... of one world; a tool comes down onto the top and stays. */
-static void tick(softsim_world *world, const omission *o, int32_t first, int32_t count,
-                 ss_samples *samples)
-{
-    softsim_force force[SOFTSIM_MAX_PROBES];
-    const int32_t channel[1] = {0};
-    softsim_pose pose = {.sender = 1, .force_seq = -1, .orientation = {1.0, 0.0, 0.0, 0.0}};
-    ss_set3(pose.velocity, (double)NAN, (double)NAN, (double)NAN);
-    ss_set3(pose.applied_force, (double)NAN, (double)NAN, (double)NAN);
-    for (int32_t k = first; k < first + count; ++k) {
-        const double touch = 0.5 * size_m + tool_radius_m;
-        const double height = touch + tool_depth_m - tool_speed_m_s * tick_s * k;
-        ss_set3(pose.position, 0.0, 0.0, fmax(height, touch - tool_depth_m));
-        pose.seq = k;
-        pose.utime_us = (int64_t)k * 1000;
-        const int64_t begin_ns = ss_clock_thread_cpu_ns();
-        softsim_tick(world, &pose, channel, o->act == TOOL ? 1 : 0, force);
-        ss_samples_add(samples, 1e-3 * (double)(ss_clock_thread_cpu_ns() - begin_ns));
+    softsim_world *world = softsim_create(scene, &config, error);
+    if (world == NULL) {
+        return error->status;
     }
-}
-
-static softsim_status no_memory(softsim_error *error)
-{
-    softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-    return SOFTSIM_ERROR_MEMORY;
-}
-
-/* The largest distance of the two bodies over the largest displacement; NaN without one. */
-static softsim_status measure_distance(softsim_world *const world[2], double *out_apart,
-                                       softsim_error *error)
-{
-    softsim_state state;
-    softsim_read(world[0], &state);
-    const size_t count = (size_t)state.node_count;
-    double(*u)[3] = calloc(2 * count, sizeof *u);
-    double apart = 0.0, largest = 0.0;
-    if (u == NULL) {
-        return no_memory(error);
-    }
-    softsim_read_nodes(world[0], NULL, u, NULL);
-    softsim_read_nodes(world[1], NULL, u + count, NULL);
-    for (size_t i = 0; i < count; ++i) {
-        double way[3];
-        ss_sub3(way, u[i], u[count + i]);
-        apart = fmax(apart, ss_norm3(way));
-        largest = fmax(largest, ss_norm3(u[i]));
-    }
-    free(u);
-    *out_apart = largest > 0.0 ? apart / largest : (double)NAN;
+    *out_count = ss_world_omissions(ss_world_of(world), out);
+    softsim_destroy(&world);
     return SOFTSIM_OK;
 }
 
-/* Both worlds in turns; the first turn warms, the other four are measured. */
-static softsim_status compare(const omission *o, softsim_world *const world[2], figures *out,
-                              softsim_error *error)
+static bool is_asked_for(const report *r, const char *name)
 {
-    ss_samples samples[2] = {{.value = NULL}}, warm = {.value = NULL};
-    softsim_status status = ss_samples_init(&samples[0], 4 * TURN_TICKS) &&
-                                    ss_samples_init(&samples[1], 4 * TURN_TICKS) &&
-                                    ss_samples_init(&warm, WARM_TICKS)
-                                ? SOFTSIM_OK
-                                : no_memory(error);
-    for (int turn = 0; turn < 5 && status == SOFTSIM_OK; ++turn) {
-        for (int w = 0; w < 2; ++w) {
-            const int32_t first = turn == 0 ? 1 : 1 + WARM_TICKS + (turn - 1) * TURN_TICKS;
-            tick(world[w], o, first, turn == 0 ? WARM_TICKS : TURN_TICKS,
-                 turn == 0 ? &warm : &samples[w]);
-        }
+    bool is_any = r->force_include.count == 0;
+    for (int32_t i = 0; i < r->force_include.count; ++i) {
+        is_any = is_any || strcmp(r->force_include.value[i], name) == 0;
     }
-    for (int w = 0; w < 2; ++w) {
-        out->tick_us[w] = ss_samples_quantile(&samples[w], 0.5);
-        ss_samples_fini(&samples[w]);
-    }
-    ss_samples_fini(&warm);
-    return status == SOFTSIM_OK ? measure_distance(world, &out->apart, error) : status;
+    return is_any;
 }
 
 static void label(const void *context, int32_t index, char out[SS_SWEEP_NAME_SIZE])
 {
     const report *r = context;
-    const omission *o = &omissions[r->index[index]];
-    snprintf(out, SS_SWEEP_NAME_SIZE, "%s,%s", o->name, o->model);
+    int size = snprintf(out, SS_SWEEP_NAME_SIZE, "%.180s", r->scenes.path[index]);
+    for (int32_t i = 0; i < r->force_include.count && size < SS_SWEEP_NAME_SIZE; ++i) {
+        size += snprintf(out + size, (size_t)(SS_SWEEP_NAME_SIZE - size), ",%s",
+                         r->force_include.value[i]);
+    }
+}
+
+/* "kind|name|note|numbers", a line a row. */
+static void measure_one(const char *scene, const ss_omission *omission, FILE *out)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_ablation_figures f;
+    if (omission->value_count == 0) {
+        fprintf(out, "%d|%s|%s\n", NOT_POSSIBLE, omission->name, omission->reason);
+        return;
+    }
+    if (ss_ablation_measure(scene, omission, &f, &error) != SOFTSIM_OK) {
+        fprintf(out, "%d|%s|%.*s\n", LOST, omission->name, (int)strcspn(error.text, "\n"),
+                error.text);
+        return;
+    }
+    fprintf(out, "%d|%s|", MEASURED, omission->name);
+    for (int32_t k = 0; k < omission->value_count; ++k) {
+        fprintf(out, "%s%s", k > 0 ? " " : "", omission->value[k]);
+    }
+    const double number[] = {f.rest_us[0],       f.rest_us[1],       f.press_us[0],  f.press_us[1],
+                             f.bytes[0],         f.bytes[1],         f.create_ms[0], f.create_ms[1],
+                             f.message_bytes[0], f.message_bytes[1], f.rest_least,   f.press_least,
+                             f.create_least,     f.force_apart,      f.field_apart};
+    fprintf(out, "|%d", f.is_same_state);
+    for (size_t k = 0; k < sizeof number / sizeof *number; ++k) {
+        fprintf(out, " %.9g", number[k]);
+    }
+    fputc('\n', out);
 }
 
 static softsim_status run(const void *context, int32_t index, FILE *out, softsim_error *error)
 {
     const report *r = context;
-    const omission *o = &omissions[r->index[index]];
-    figures f = {.apart = (double)NAN};
-    softsim_world *world[2] = {NULL, NULL};
-    char mesh[64], path[PATH_SIZE];
-    softsim_status status = ss_block_mesh(r->folder, o->is_surface, o->points, mesh, error);
-    snprintf(path, sizeof path, "%s/ball.obj", r->folder);
-    if (status == SOFTSIM_OK && !write_ball(path)) {
-        status = SOFTSIM_ERROR_FILE;
+    const char *scene = r->scenes.path[index];
+    ss_omission omission[SS_MAX_OMISSIONS];
+    int32_t count = 0;
+    const softsim_status status = plan(scene, omission, &count, error);
+    for (int32_t i = 0; i < count; ++i) {
+        if (is_asked_for(r, omission[i].name)) {
+            measure_one(scene, &omission[i], out);
+        }
     }
-    snprintf(path, sizeof path, "%s/%s", r->folder, mesh);
-    const int32_t node = status == SOFTSIM_OK ? ss_block_top(path) : -1;
-    snprintf(path, sizeof path, "%s/scene.yaml", r->folder);
-    for (int w = 0; w < 2 && status == SOFTSIM_OK; ++w) {
-        status = write_scene(o, mesh, node, w == 1, path, error);
-        world[w] = status == SOFTSIM_OK ? create(path, &f.create_ms[w], &f.bytes[w], error) : NULL;
-        status = status == SOFTSIM_OK && world[w] == NULL ? error->status : status;
-    }
-    status = status == SOFTSIM_OK ? compare(o, world, &f, error) : status;
-    if (status == SOFTSIM_OK) {
-        fprintf(out, "%.9g %.9g %.9g %.9g %.9g %.9g %.9g\n", f.tick_us[0], f.tick_us[1], f.bytes[0],
-                f.bytes[1], f.create_ms[0], f.create_ms[1], f.apart);
-    }
-    softsim_destroy(&world[0]);
-    softsim_destroy(&world[1]);
     return status;
+}
+
+/* ---- rows ---- */
+
+static bool is_failed(const row *w)
+{
+    return w->kind == LOST || (w->kind == MEASURED && !ss_ablation_agrees(&w->figures));
+}
+
+static bool read_row(char *line, row *out)
+{
+    ss_ablation_figures *f = &out->figures;
+    char *save = NULL;
+    const char *kind = strtok_r(line, "|", &save), *name = strtok_r(NULL, "|", &save);
+    const char *note = strtok_r(NULL, "|", &save), *numbers = strtok_r(NULL, "|", &save);
+    int is_same = 0;
+    if (note == NULL) {
+        return false;
+    }
+    out->kind = (row_kind)atoi(kind);
+    snprintf(out->name, sizeof out->name, "%s", name);
+    snprintf(out->note, sizeof out->note, "%s", note);
+    const bool is_good =
+        out->kind != MEASURED ||
+        (numbers != NULL &&
+         sscanf(numbers, "%d %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf", &is_same,
+                &f->rest_us[0], &f->rest_us[1], &f->press_us[0], &f->press_us[1], &f->bytes[0],
+                &f->bytes[1], &f->create_ms[0], &f->create_ms[1], &f->message_bytes[0],
+                &f->message_bytes[1], &f->rest_least, &f->press_least, &f->create_least,
+                &f->force_apart, &f->field_apart) == 16);
+    f->is_same_state = is_same != 0;
+    return is_good;
+}
+
+static softsim_status read_rows(report *r, const ss_sweep_result *result, softsim_error *error)
+{
+    r->rows = calloc((size_t)r->scenes.count * SS_MAX_OMISSIONS, sizeof *r->rows);
+    if (r->rows == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        return SOFTSIM_ERROR_MEMORY;
+    }
+    for (int32_t s = 0; s < r->scenes.count; ++s) {
+        char scene[SS_FELT_NAME_SIZE], *save = NULL;
+        ss_felt_name(r->scenes.path[s], scene);
+        char *line = strtok_r(result->run[s].text, "\n", &save);
+        const bool is_lost = result->run[s].is_lost;
+        for (int32_t k = 0; line != NULL && k < SS_MAX_OMISSIONS; ++k) {
+            row *w = &r->rows[r->count];
+            if (is_lost || !read_row(line, w)) {
+                *w = (row){.kind = LOST, .name = "all"};
+                snprintf(w->note, sizeof w->note, "%s", line);
+            }
+            snprintf(w->scene, sizeof w->scene, "%s", scene);
+            r->failed += is_failed(w);
+            ++r->count;
+            line = strtok_r(NULL, "\n", &save);
+        }
+    }
+    return SOFTSIM_OK;
+}
+
+static void say_result(const row *w, char *out, size_t size)
+{
+    const ss_ablation_figures *f = &w->figures;
+    if (w->kind != MEASURED) {
+        (void)snprintf(out, size, "%s", w->kind == LOST ? "FAILED" : "cannot be put back");
+    } else if (f->is_same_state) {
+        (void)snprintf(out, size, "same bits");
+    } else {
+        (void)snprintf(out, size, "%sforce %.1e, field %.1e", is_failed(w) ? "DIFFERS: " : "",
+                       f->force_apart, f->field_apart);
+    }
+}
+
+static bool is_gain(const row *w)
+{
+    const ss_ablation_figures *f = &w->figures;
+    return f->rest_least > tick_gain || f->press_least > tick_gain ||
+           f->create_least > create_gain || f->bytes[1] > byte_gain * f->bytes[0] ||
+           f->message_bytes[1] > byte_gain * f->message_bytes[0];
+}
+
+/* Names of what was measured and gains nothing on any scene: "a, b"; "nothing". */
+static void list_gainless(const report *r, char *out, size_t size)
+{
+    size_t used = 0;
+    for (int32_t i = 0; i < r->count; ++i) {
+        bool is_any = r->rows[i].kind != MEASURED;
+        for (int32_t k = 0; k < r->count; ++k) {
+            const row *w = &r->rows[k];
+            if (w->kind == MEASURED && strcmp(w->name, r->rows[i].name) == 0) {
+                is_any = is_any || k < i || is_gain(w);
+            }
+        }
+        if (!is_any && used < size) {
+            used += (size_t)snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "",
+                                     r->rows[i].name);
+        }
+    }
+    if (used == 0) {
+        (void)snprintf(out, size, "nothing");
+    }
 }
 
 /* ---- files ---- */
 
-static void read_figures(const ss_sweep_run *from, figures *out)
+static void list_numbers(const row *w, double out[NUMBERS])
 {
-    *out = (figures){{NAN, NAN}, {NAN, NAN}, {NAN, NAN}, NAN, ""};
-    if (from->is_lost || sscanf(from->text, "%lf %lf %lf %lf %lf %lf %lf", &out->tick_us[0],
-                                &out->tick_us[1], &out->bytes[0], &out->bytes[1],
-                                &out->create_ms[0], &out->create_ms[1], &out->apart) != 7) {
-        const char *text = strstr(from->text, "scene.yaml"); /* without the folder */
-        text = text != NULL ? text : from->text;
-        snprintf(out->note, sizeof out->note, "%.*s", (int)sizeof out->note - 1, text);
+    const ss_ablation_figures *f = &w->figures;
+    const double number[NUMBERS] = {f->press_us[0],      f->press_us[1],  f->rest_us[0],
+                                    f->rest_us[1],       f->bytes[0],     f->bytes[1],
+                                    f->create_ms[0],     f->create_ms[1], f->message_bytes[0],
+                                    f->message_bytes[1], f->force_apart,  f->field_apart};
+    for (int k = 0; k < NUMBERS; ++k) {
+        out[k] = w->kind == MEASURED ? number[k] : (double)NAN;
     }
 }
 
-static softsim_status write_csv(const report *r, const ss_sweep_result *result,
-                                softsim_error *error)
+static void put_row(FILE *file, const void *context, int32_t index)
 {
-    ss_output output;
-    const softsim_status status = ss_report_csv_open(
-        &output, r->out, "ablation",
-        "omission,model,points,tick_us_without,tick_us_with,bytes_without,bytes_with,"
-        "create_ms_without,create_ms_with,field_difference,note",
-        error);
-    if (status != SOFTSIM_OK) {
-        return status;
+    const report *r = context;
+    const row *w = &r->rows[index];
+    double number[NUMBERS];
+    char result[TEXT];
+    fprintf(file, "%s,", w->scene);
+    ss_csv_text(file, w->name);
+    list_numbers(w, number);
+    for (int k = 0; k < NUMBERS; ++k) {
+        fprintf(file, isnan(number[k]) ? "," : ",%.9g", number[k]);
     }
-    for (int32_t i = 0; i < r->count; ++i) {
-        const omission *o = &omissions[r->index[i]];
-        figures f;
-        read_figures(&result->run[i], &f);
-        ss_csv_text(output.file, o->name); /* some have a comma */
-        fprintf(output.file, ",%s,%d", o->model, o->points);
-        const double value[] = {f.tick_us[0],   f.tick_us[1],   f.bytes[0], f.bytes[1],
-                                f.create_ms[0], f.create_ms[1], f.apart};
-        for (size_t k = 0; k < sizeof value / sizeof *value; ++k) {
-            fprintf(output.file, isnan(value[k]) ? "," : ",%.9g", value[k]);
-        }
-        fputc(',', output.file);
-        ss_csv_text(output.file, f.note);
-        fputc('\n', output.file);
-    }
-    return ss_output_commit(&output, error);
+    say_result(w, result, sizeof result);
+    fprintf(file, ",%d,", !is_failed(w));
+    ss_csv_text(file, result);
+    fputc(',', file);
+    ss_csv_text(file, w->note);
+    fputc('\n', file);
 }
 
-static softsim_status plot_times(const report *r, const ss_sweep_result *result, ss_page *page,
-                                 softsim_error *error)
+/* Of rows `first` to `end` - 1, a scene's. */
+static softsim_status plot(const report *r, int32_t first, int32_t end, ss_page *page,
+                           softsim_error *error)
 {
+    char name[SS_FELT_NAME_SIZE + 16];
     ss_output script;
+    int32_t count = 0;
+    for (int32_t i = first; i < end; ++i) {
+        count += r->rows[i].kind == MEASURED;
+    }
+    if (count == 0) {
+        return SOFTSIM_OK;
+    }
+    snprintf(name, sizeof name, "ablation-%s", r->rows[first].scene);
     const softsim_status status =
-        ss_plot_open_sized(&script, r->out, "ablation", 800, 160 + 34 * r->count, error);
+        ss_plot_open_sized(&script, r->out, name, 800, 160 + 50 * count, error);
     if (status != SOFTSIM_OK) {
         return status;
     }
-    FILE *file = script.file;
-    fputs("$pairs << EOD\n", file);
-    for (int32_t i = 0; i < r->count; ++i) {
-        const omission *o = &omissions[r->index[i]];
-        figures f;
-        read_figures(&result->run[i], &f);
-        fprintf(file, "\"%s, %s\" %.6g %.6g\n", o->model, o->name, f.tick_us[1] / f.tick_us[0],
-                f.bytes[1] / f.bytes[0]);
+    fputs("$pairs << EOD\n", script.file);
+    for (int32_t i = first; i < end; ++i) {
+        const ss_ablation_figures *f = &r->rows[i].figures;
+        if (r->rows[i].kind == MEASURED) {
+            fprintf(script.file, "\"%s\" %.6g %.6g %.6g %.6g\n", r->rows[i].name,
+                    f->press_us[1] / f->press_us[0], f->rest_us[1] / f->rest_us[0],
+                    f->bytes[1] / f->bytes[0], f->create_ms[1] / f->create_ms[0]);
+        }
     }
-    fprintf(file,
-            "EOD\nset yrange [%g:-0.6]\nset xrange [0.5:*]\nset logscale x 2\nset grid x\n"
-            "set xlabel 'with it, over without it'\nset key outside top center horizontal\n"
-            "set style fill solid 1\n"
-            "plot $pairs using (($2+1)/2):($0-0.17):(abs($2-1)/2):(0.15):ytic(1) with boxxyerror "
-            "lc 1 title 'time of a tick', $pairs using (($3+1)/2):($0+0.17):(abs($3-1)/2):(0.15) "
-            "with boxxyerror lc 2 title 'bytes held'\n",
-            r->count - 0.4);
-    return ss_page_plot(page, &script, "ablation",
-                        "What a scene would pay for what its plan leaves out.", error);
+    fputs("EOD\nset ytics (", script.file);
+    for (int32_t i = first, k = 0; i < end; ++i) {
+        if (r->rows[i].kind == MEASURED) {
+            fprintf(script.file, "%s\"%s\" %d", k > 0 ? ", " : "", r->rows[i].name, k);
+            ++k;
+        }
+    }
+    fprintf(script.file,
+            ")\nset yrange [%g:-0.6]\nset xrange [0.5:*]\nset logscale x 2\nset grid x\n"
+            "set xlabel 'with it, over without it'\nset key outside top right horizontal samplen 1 "
+            "width -2\n"
+            "set style fill solid 1\nplot for [k=0:3] $pairs using "
+            "((column(k+2)+1)/2):($0-0.27+0.18*k):(abs(column(k+2)-1)/2):(0.08) with "
+            "boxxyerror lc k+1 title word('pressed at-rest bytes start-up', k+1)\n",
+            count - 0.4);
+    return ss_page_plot(page, &script, name, r->rows[first].scene, error);
 }
 
-static softsim_status write_page(const report *r, const ss_sweep_result *result,
-                                 softsim_error *error)
+static void put_table(const report *r, ss_page *page)
 {
-    static const char *const head[] = {"omission", "model",         "points", "tick without, us",
-                                       "with, us", "bytes without", "with",   "create without, ms",
-                                       "with, ms", "apart",         "note"};
+    static const char *const head[] = {
+        "scene",        "left out",     "pressed, us",  "with",       "at rest, us", "with",
+        "bytes",        "with",         "start-up, ms", "with",       "message B/s", "with",
+        "forces apart", "fields apart", "result",       "put back by"};
+    ss_page_table_begin(page, (int32_t)(sizeof head / sizeof *head), head);
+    for (int32_t i = 0; i < r->count; ++i) {
+        const row *w = &r->rows[i];
+        ss_row cells = {.count = 0};
+        double number[NUMBERS];
+        char result[TEXT];
+        ss_row_add(&cells, "%s", w->scene);
+        ss_row_add(&cells, "%s", w->name);
+        list_numbers(w, number);
+        for (int k = 0; k < NUMBERS; ++k) {
+            ss_row_add_number(&cells, number[k]);
+        }
+        say_result(w, result, sizeof result);
+        ss_row_add(&cells, "%s", result);
+        ss_row_add(&cells, "%s", w->note);
+        ss_page_table_row(page, cells.count, cells.cell);
+    }
+    ss_page_table_end(page);
+}
+
+static softsim_status write_page(const report *r, const char *gainless, softsim_error *error)
+{
     ss_page page;
     ss_yardstick yardstick;
     softsim_status status = ss_page_open(&page, r->out, "ablation", "softsim: ablation", error);
@@ -363,33 +333,25 @@ static softsim_status write_page(const report *r, const ss_sweep_result *result,
         return status;
     }
     ss_page_text(&page,
-                 "A cube of 100 mm, held below, one node of the top pushed (or a ball of 10 mm "
-                 "pressed 3 mm deep), steps of 1 ms; once as the plan has it, once with what it "
-                 "leaves out in use, but so that it changes nothing or next to nothing: equal "
-                 "conductances in two directions, a saturation never reached, a viscosity of "
-                 "1e-9 Pa s, all nodes stepped. Both take turns in one process; times are medians "
-                 "of thread CPU time. Apart: the largest distance of the two bodies over the "
-                 "largest displacement. The network's own time with 100 network steps is another "
-                 "answer until the network has settled.");
-    ss_page_table_begin(&page, (int32_t)(sizeof head / sizeof *head), head);
-    for (int32_t i = 0; i < r->count; ++i) {
-        const omission *o = &omissions[r->index[i]];
-        ss_row cells = {.count = 0};
-        figures f;
-        read_figures(&result->run[i], &f);
-        ss_row_add(&cells, "%s", o->name);
-        ss_row_add(&cells, "%s", o->model);
-        ss_row_add(&cells, "%d", o->points);
-        const double value[] = {f.tick_us[0],   f.tick_us[1],   f.bytes[0], f.bytes[1],
-                                f.create_ms[0], f.create_ms[1], f.apart};
-        for (size_t k = 0; k < sizeof value / sizeof *value; ++k) {
-            ss_row_add_number(&cells, value[k]);
+                 "What the plan of a scene leaves out, put back one by one by values of the scene "
+                 "that change no result. Both worlds take turns in one process: 1.35 s at rest, of "
+                 "which the last 0.3 s count, then a press in and out every 0.2 s with the first "
+                 "tool, by half its radius. Times are medians of turns of 50 ticks, thread CPU; "
+                 "results are the same by the hash of the state, or where forces and displacements "
+                 "differ by at most 1e-3 of the largest. %d of %d rows fail.",
+                 r->failed, r->count);
+    ss_page_text(
+        &page,
+        "Gains nothing on any scene here: %s. A gain is 3 %% of a tick in every turn, 10 %% of "
+        "start-up every time, or 1 %% of bytes.",
+        gainless);
+    put_table(r, &page);
+    for (int32_t first = 0, i = 1; i <= r->count && status == SOFTSIM_OK; ++i) {
+        if (i == r->count || strcmp(r->rows[i].scene, r->rows[first].scene) != 0) {
+            status = plot(r, first, i, &page, error);
+            first = i;
         }
-        ss_row_add(&cells, "%s", f.note);
-        ss_page_table_row(&page, cells.count, cells.cell);
     }
-    ss_page_table_end(&page);
-    status = plot_times(r, result, &page, error);
     ss_yardstick_measure(&yardstick);
     ss_page_link(&page, "ablation.csv");
     ss_page_yardstick(&page, &yardstick);
@@ -400,24 +362,23 @@ static softsim_status write_page(const report *r, const ss_sweep_result *result,
     return status;
 }
 
-static void print_rows(const report *r, const ss_sweep_result *result)
+static void print_rows(const report *r)
 {
-    printf("%-28s %-14s %10s %10s %12s %12s %9s\n", "left out", "model", "us without", "us with",
-           "B without", "B with", "apart");
+    printf("%-18s %-34s %17s %17s %17s %15s %15s  result\n", "scene", "left out", "us pressed",
+           "us at rest", "kB", "ms start-up", "message kB/s");
     for (int32_t i = 0; i < r->count; ++i) {
-        const omission *o = &omissions[r->index[i]];
-        figures f;
-        read_figures(&result->run[i], &f);
-        if (f.note[0] != '\0') {
-            printf("%-28s %-14s %s\n", o->name, o->model, f.note);
-        } else {
-            char apart[16] = "-"; /* nothing moves in either */
-            if (!isnan(f.apart)) {
-                (void)snprintf(apart, sizeof apart, "%.1e", f.apart);
-            }
-            printf("%-28s %-14s %10.1f %10.1f %12.0f %12.0f %9s\n", o->name, o->model, f.tick_us[0],
-                   f.tick_us[1], f.bytes[0], f.bytes[1], apart);
+        const row *w = &r->rows[i];
+        const ss_ablation_figures *f = &w->figures;
+        char result[TEXT];
+        say_result(w, result, sizeof result);
+        if (w->kind != MEASURED) {
+            printf("%-18s %-34s %s: %s\n", w->scene, w->name, result, w->note);
+            continue;
         }
+        printf("%-18s %-34s %8.1f %8.1f %8.1f %8.1f %8.0f %8.0f %7.1f %7.1f %7.1f %7.1f  %s\n",
+               w->scene, w->name, f->press_us[0], f->press_us[1], f->rest_us[0], f->rest_us[1],
+               1e-3 * f->bytes[0], 1e-3 * f->bytes[1], f->create_ms[0], f->create_ms[1],
+               1e-3 * f->message_bytes[0], 1e-3 * f->message_bytes[1], result);
     }
 }
 
@@ -425,26 +386,50 @@ static void print_rows(const report *r, const ss_sweep_result *result)
 
 static softsim_status write_all(void *context, const ss_sweep_result *result, softsim_error *error)
 {
-    const report *r = context;
-    print_rows(r, result);
-    softsim_status status = write_csv(r, result, error);
-    status = status == SOFTSIM_OK ? write_page(r, result, error) : status;
+    static const char head[] =
+        "scene,omission,press_us_without,press_us_with,rest_us_without,rest_us_with,bytes_without,"
+        "bytes_with,create_ms_without,create_ms_with,message_bytes_per_s_without,"
+        "message_bytes_per_s_with,force_difference,field_difference,is_good,result,note";
+    report *r = context;
+    char gainless[1024];
+    softsim_status status = read_rows(r, result, error);
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    list_gainless(r, gainless, sizeof gainless);
+    print_rows(r);
+    printf("gains nothing on any scene here: %s\n", gainless);
+    status = ss_report_csv_write(r->out, "ablation", head, r->count, put_row, r, error);
+    status = status == SOFTSIM_OK ? write_page(r, gainless, error) : status;
     if (status == SOFTSIM_OK) {
         printf("%s/ablation.html\n", r->out);
     }
     return status;
 }
 
-static softsim_status measure(report *r, softsim_error *error)
+/* What is asked for by name is left out by every scene that is asked for. */
+static softsim_status check_names(const report *r, softsim_error *error)
 {
-    for (int32_t i = 0; i < OMISSIONS; ++i) {
-        if (ss_model_find(omissions[i].model) != NULL) {
-            r->index[r->count++] = i;
+    ss_omission omission[SS_MAX_OMISSIONS];
+    const bool is_asked = r->asked.count > 0 && r->force_include.count > 0;
+    softsim_status status = SOFTSIM_OK;
+    for (int32_t s = 0; is_asked && s < r->scenes.count && status == SOFTSIM_OK; ++s) {
+        int32_t count = 0;
+        status = plan(r->scenes.path[s], omission, &count, error);
+        for (int32_t i = 0; status == SOFTSIM_OK && i < r->force_include.count; ++i) {
+            if (ss_omission_find(omission, count, r->force_include.value[i], error) == NULL) {
+                status = error->status;
+            }
         }
     }
+    return status;
+}
+
+static softsim_status measure(report *r, softsim_error *error)
+{
     const ss_sweep sweep = {.folder = r->out,
                             .name = "ablation",
-                            .count = r->count,
+                            .count = r->scenes.count,
                             .jobs = 1, /* times would disturb one another */
                             .timeout_s = run_timeout_s,
                             .context = r,
@@ -456,27 +441,34 @@ static softsim_status measure(report *r, softsim_error *error)
 
 static int run_report(int argc, char **argv)
 {
-    report r = {.out = "ablation-report"};
+    static report r;
+    r = (report){.out = "ablation-report"};
     softsim_error error = {.status = SOFTSIM_OK};
     const ss_arg rows[] = {
+        SS_LIST("--scene", &r.asked, "S.yaml", "a scene (default: all bundled ones)"),
+        SS_LIST("--force-include", &r.force_include, "NAME",
+                "only that omission, by its name in softsimd --explain (default: all)"),
         SS_TEXT("--out", &r.out, "DIR", "for the report (ablation-report)"),
     };
-    const ss_args_result parsed =
-        SS_ARGS_OPTIONS(argc, argv, "[options]",
-                        "Measures what the plan leaves out, with and without it.", rows, &error);
+    const ss_args_result parsed = SS_ARGS_OPTIONS(
+        argc, argv, "[options]",
+        "Puts back what the plan of a scene leaves out, one by one: what it costs, and whether\n"
+        "results are the same. Exits 1 where they are not.",
+        rows, &error);
     int exit_code = 0;
     if (!ss_args_may_run(argv[0], parsed, &error, &exit_code)) {
         return exit_code;
     }
-    softsim_status status = ss_report_begin(r.out, r.folder, &error);
-    if (status == SOFTSIM_OK) {
-        status = measure(&r, &error);
-    }
-    ss_scratch_remove(r.folder);
-    return ss_args_finish(argv[0], status, &error);
+    ss_felt_list_scenes(&r.asked, &r.scenes, &error);
+    softsim_status status = error.fault_count > 0 ? error.status : check_names(&r, &error);
+    status = status == SOFTSIM_OK ? ss_report_begin(r.out, NULL, &error) : status;
+    status = status == SOFTSIM_OK ? measure(&r, &error) : status;
+    free(r.rows);
+    exit_code = ss_args_finish(argv[0], status, &error);
+    return exit_code == EXIT_SUCCESS && r.failed > 0 ? EXIT_FAILURE : exit_code;
 }
 
-const ss_report_class ss_report_ablation = {.name = "ablation",
-                                            .about =
-                                                "time and bytes of what a scene's plan leaves out",
-                                            .run = run_report};
+const ss_report_class ss_report_ablation = {
+    .name = "ablation",
+    .about = "what a scene's plan leaves out, put back one by one",
+    .run = run_report};
