@@ -472,7 +472,8 @@ TEST(tangent_and_diagonal_match_differences)
     const double scale = fabs(tool_force[2] - tool_before);
     assert_true(scale > 0.01 * tool_before);
     /* With the far face at t the depth is D = d / sqrt(1 + (d / (t - d))^2), shape.c: of the force
-     * k D dD/dd the slope is k (1 - 6 (d / t)^2) to second order, so it is not quite the difference. */
+     * k D dD/dd the slope is k (1 - 6 (d / t)^2) to second order, so it is not quite the
+     * difference. */
     const double bend = 6.0 * pow(0.00105 / 4.0, 2.0);
     assert_near(dtool[2], tool_force[2] - tool_before, (IS_DOUBLE ? bend : 1e-3) * scale);
     for (int32_t i = 0; i < mesh.node_count; ++i) {
