@@ -71,17 +71,10 @@ static softsim_status start_net(ss_loops *loops, ss_loop_threads *threads, softs
 static softsim_status open_publisher(ss_loops *loops, softsim_error *error)
 {
     const ss_scene *scene = loops->world->scene;
-    const ss_drawn *drawn = &loops->world->drawn;
     const ss_publisher_config config = {.lcm_url = loops->options->lcm_url,
                                         .prefix = loops->options->prefix,
                                         .max_bytes_per_s = scene->max_bytes_per_s};
-    const ss_publish_mesh surface = {.node_count = drawn->node_count,
-                                     .triangle_count = drawn->triangle_count,
-                                     .rest = drawn->rest,
-                                     .triangle = drawn->triangle,
-                                     .file_node = drawn->file_node,
-                                     .fixed = drawn->fixed,
-                                     .diagonal = ss_mesh_diagonal(scene->mesh)};
+    const ss_publish_mesh surface = ss_world_publish_mesh(loops->world);
     return ss_publisher_open(&config, &surface, &loops->publisher, error);
 }
 

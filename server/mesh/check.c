@@ -377,21 +377,26 @@ static double height_sign(const ss_mesh *mesh, const int32_t *face, int32_t node
     return volume > least ? 1.0 : volume < -least ? -1.0 : 0.0;
 }
 
-/* Both on one side of their face. That does not depend on the order of their nodes, so that a node
- * which was moved through its neighbours is told from tetrahedra that were written inverted. */
+/* Two on one side of their face, or more than two of one face. That does not depend on the order of
+ * their nodes, so that a node which was moved through its neighbours is told from tetrahedra that
+ * were written inverted. */
 static void mark_overlaps(const ss_mesh *mesh, const ss_mesh_tuples *faces, double edge_mean,
                           bool *out_is_overlapping)
 {
     const double least = SS_MESH_FLAT_VOLUME * edge_mean * edge_mean * edge_mean;
     for (int64_t i = 0; i < faces->count;) {
         const int64_t end = ss_mesh_run_end(faces, i);
-        double sides = 1.0; /* the product of the signs */
-        for (int64_t k = i; k < end && end - i == 2; ++k) {
-            const int32_t id = faces->tuple[k].id;
-            sides *=
-                height_sign(mesh, faces->tuple[i].node, mesh->tetrahedron[id / 4][id % 4], least);
+        bool is_crowded = end - i > 2;
+        if (end - i == 2) {
+            double sign[2];
+            for (int k = 0; k < 2; ++k) {
+                const int32_t id = faces->tuple[i + k].id;
+                sign[k] = height_sign(mesh, faces->tuple[i].node, mesh->tetrahedron[id / 4][id % 4],
+                                      least);
+            }
+            is_crowded = sign[0] * sign[1] > 0.0;
         }
-        for (int64_t k = i; k < end && end - i >= 2 && sides > 0.0; ++k) {
+        for (int64_t k = i; is_crowded && k < end; ++k) {
             out_is_overlapping[faces->tuple[k].id / 4] = true;
         }
         i = end;

@@ -36,6 +36,19 @@ int32_t ss_world_omissions(const ss_world *world, ss_omission out[SS_MAX_OMISSIO
     return list.count;
 }
 
+softsim_status ss_omissions_of_scene(const char *scene, const softsim_config *config,
+                                     ss_omission out[SS_MAX_OMISSIONS], int32_t *out_count,
+                                     softsim_error *error)
+{
+    softsim_world *world = softsim_create(scene, config, error);
+    if (world == NULL) {
+        return error->status;
+    }
+    *out_count = ss_world_omissions(ss_world_of(world), out);
+    softsim_destroy(&world);
+    return SOFTSIM_OK;
+}
+
 const ss_omission *ss_omission_find(const ss_omission *omission, int32_t count, const char *name,
                                     softsim_error *error)
 {

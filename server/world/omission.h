@@ -20,6 +20,10 @@ typedef struct ss_omission {
 
 /* Those of the plan, in its order; returns their number. */
 int32_t ss_world_omissions(const ss_world *world, ss_omission out[SS_MAX_OMISSIONS]);
+/* Those of a scene by its path, whose world is made for that alone. */
+softsim_status ss_omissions_of_scene(const char *scene, const softsim_config *config,
+                                     ss_omission out[SS_MAX_OMISSIONS], int32_t *out_count,
+                                     softsim_error *error);
 
 /* The one called `name`, the argument of --force-include, of those that can be put back. NULL, and
  * a fault that lists them, where it is none of these. */

@@ -455,6 +455,18 @@ fail:
     return status;
 }
 
+ss_publish_mesh ss_world_publish_mesh(const ss_world *world)
+{
+    const ss_drawn *drawn = &world->drawn;
+    return (ss_publish_mesh){.node_count = drawn->node_count,
+                             .triangle_count = drawn->triangle_count,
+                             .rest = drawn->rest,
+                             .triangle = drawn->triangle,
+                             .file_node = drawn->file_node,
+                             .fixed = drawn->fixed,
+                             .diagonal = ss_mesh_diagonal(world->scene->mesh)};
+}
+
 void ss_world_destroy(ss_world **world_pointer)
 {
     ss_world *world = *world_pointer;

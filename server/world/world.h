@@ -271,6 +271,8 @@ softsim_refusal ss_world_lockstep(ss_world *world, const softsim_pose *pose, con
 void ss_world_settle(ss_world *world);
 /* Of the state; recomputed only when a step or a command has changed it. */
 uint64_t ss_world_hash(ss_world *world);
+/* The surface as it is published; borrowed from the world. Thread: any. */
+ss_publish_mesh ss_world_publish_mesh(const ss_world *world);
 /* Ends the lockstep worker, if any; call it before ss_world_destroy. Thread: set-up only. */
 void ss_lockstep_stop(ss_world *world);
 

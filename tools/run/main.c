@@ -495,12 +495,12 @@ static softsim_status put_back(run *r, softsim_error *error)
         return SOFTSIM_OK;
     }
     const softsim_config config = config_of(r);
-    softsim_world *world = softsim_create(r->options.scene, &config, error);
-    if (!world) {
-        return error->status;
+    int32_t count = 0;
+    const softsim_status status =
+        ss_omissions_of_scene(r->options.scene, &config, r->omission, &count, error);
+    if (status != SOFTSIM_OK) {
+        return status;
     }
-    const int32_t count = ss_world_omissions(ss_world_of(world), r->omission);
-    softsim_destroy(&world);
     for (int32_t i = 0; i < names->count; ++i) {
         const ss_omission *found = ss_omission_find(r->omission, count, names->value[i], error);
         for (int32_t k = 0; found != NULL && k < found->value_count; ++k) {

@@ -117,7 +117,7 @@ softsim_status ss_fem_material_read(const ss_model_plan *plan, const char *name,
  * problems, organs, and regular blocks, and cheap. (The worst element's speed of sound over its
  * height is up to twice as much.) 0 when out of memory. */
 double ss_fem_node_rate(const ss_mesh *mesh, const ss_fem_material *material);
-/* Sweeps over the elements in a step of `step` s (0: a millisecond), for the planned cost, where
+/* Sweeps over the elements in a step of `step` s, for the planned cost, where
  * omega_max is about `rate`: the part `share` is taken of the stable step with all damping. */
 double ss_fem_planned_sweeps(const ss_fem_material *material, double step, double rate,
                              double share);

@@ -161,6 +161,5 @@ double ss_fem_planned_sweeps(const ss_fem_material *material, double step, doubl
 {
     const double stable = ss_body_step_limit(material->integrator, rate * rate,
                                              material->viscous_time, material->mass_damping);
-    return (material->integrator == SS_BODY_RK4 ? 4.0 : 1.0) *
-           fmax(1.0, (step > 0.0 ? step : 1e-3) / (share * stable));
+    return (material->integrator == SS_BODY_RK4 ? 4.0 : 1.0) * fmax(1.0, step / (share * stable));
 }

@@ -75,6 +75,12 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
 softsim_status ss_plan_pressure_triangles(const ss_model_plan *plan, const char *name,
                                           int32_t which, ss_arena *arena, int32_t **out_triangle,
                                           int32_t *out_count, softsim_error *error);
+/* s: the step that a counted cost is for; a usual one where none is chosen yet. */
+static inline double ss_plan_cost_step(const ss_model_plan *plan)
+{
+    return plan->step > 0.0 ? plan->step : 1e-3;
+}
+
 /* What a step takes of its counted cost, where the plan knows, else 1: for who plans as much work
  * as there is time for. */
 static inline double ss_plan_yardstick(const ss_model_plan *plan)

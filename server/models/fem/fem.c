@@ -45,8 +45,9 @@ static double step_cost_us(const ss_model_plan *plan)
     if (ss_fem_material_create(plan, "fem", &arena, &material, NULL) == SOFTSIM_OK) {
         const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0) +
                                (material.is_averaged ? COST_CURE : 0.0);
-        const double sweeps = ss_fem_planned_sweeps(
-            &material, plan->step, ss_fem_node_rate(plan->mesh, &material), SS_FEM_STEP_SHARE);
+        const double sweeps =
+            ss_fem_planned_sweeps(&material, ss_plan_cost_step(plan),
+                                  ss_fem_node_rate(plan->mesh, &material), SS_FEM_STEP_SHARE);
         cost += sweeps * element * plan->mesh->tetrahedron_count;
     }
     ss_arena_free(&arena);

@@ -87,7 +87,8 @@ static double step_cost_us(const ss_model_plan *plan)
     if (ss_fem_material_read(plan, "fem-quadratic", &arena, &material, NULL) == SOFTSIM_OK) {
         const double element = COST_ELASTIC + (material.phi ? COST_VISCOUS : 0.0);
         const double rate = SIDES_RATE * ss_fem_node_rate(plan->mesh, &material);
-        cost += ss_fem_planned_sweeps(&material, plan->step, rate, SS_QUADRATIC_STEP_SHARE) *
+        cost += ss_fem_planned_sweeps(&material, ss_plan_cost_step(plan), rate,
+                                      SS_QUADRATIC_STEP_SHARE) *
                 element * plan->mesh->tetrahedron_count;
     }
     ss_arena_free(&arena);

@@ -38,7 +38,8 @@ double ss_hybrid_step_cost_us(const ss_model_plan *plan)
             rate = fmax(rate, largest * sqrt((material.lambda[e] + 2.0 * material.mu[e]) /
                                              material.density[e]));
         }
-        cost += ss_fem_planned_sweeps(&material, plan->step, 2.0 * rate, SS_HYBRID_STEP_SHARE) *
+        cost += ss_fem_planned_sweeps(&material, ss_plan_cost_step(plan), 2.0 * rate,
+                                      SS_HYBRID_STEP_SHARE) *
                 (COST_ELEMENT * plan->mesh->tetrahedron_count +
                  COST_PARTICLE * plan->param[SS_HYBRID_MAX_ACTIVE].number);
     }

@@ -61,12 +61,10 @@ static const ss_param_row rows[ROW_COUNT] = {
 /* Of the stable step of an explicit method: sub-steps up to it are softer than the law by less
  * than what the energy balance looks at. */
 #define EXACT_SHARE 0.3
-/* Microseconds a sub-step of an element, of a step by itself and with a tool; the step where none
- * is chosen yet, s. */
+/* Microseconds a sub-step of an element, of a step by itself and with a tool. */
 #define COST_ELEMENT 0.02
 #define COST_STEP    10.0
 #define COST_TOOL    30.0
-#define USUAL_STEP   1e-3
 
 struct ss_model {
     ss_body *body; /* first, as ss_body_model_... take it */
@@ -237,9 +235,9 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
 
 static double step_cost_us(const ss_model_plan *plan)
 {
-    const double step = plan->step > 0.0 ? plan->step : USUAL_STEP;
     const double substeps =
-        fmin(ceil(step / plan->param[ROW_SUBSTEP].number - 1e-9), (double)plan->max_substeps);
+        fmin(ceil(ss_plan_cost_step(plan) / plan->param[ROW_SUBSTEP].number - 1e-9),
+             (double)plan->max_substeps);
     return COST_STEP + COST_ELEMENT * substeps * plan->mesh->tetrahedron_count +
            COST_TOOL * ss_plan_tool_count(plan);
 }

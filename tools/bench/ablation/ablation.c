@@ -15,6 +15,7 @@
 #include "bench/core/sweep.h"
 #include "bench/felt/scenes.h"
 #include "rt/args.h"
+#include "rt/memory.h"
 #include "softsim/softsim.h"
 
 enum { NUMBERS = 12, TEXT = 400 };
@@ -44,13 +45,7 @@ static softsim_status plan(const char *scene, ss_omission out[SS_MAX_OMISSIONS],
                            softsim_error *error)
 {
     const softsim_config config = softsim_default_config();
-    softsim_world *world = softsim_create(scene, &config, error);
-    if (world == NULL) {
-        return error->status;
-    }
-    *out_count = ss_world_omissions(ss_world_of(world), out);
-    softsim_destroy(&world);
-    return SOFTSIM_OK;
+    return ss_omissions_of_scene(scene, &config, out, out_count, error);
 }
 
 static bool is_asked_for(const report *r, const char *name)
@@ -152,8 +147,7 @@ static softsim_status read_rows(report *r, const ss_sweep_result *result, softsi
 {
     r->rows = calloc((size_t)r->scenes.count * SS_MAX_OMISSIONS, sizeof *r->rows);
     if (r->rows == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     for (int32_t s = 0; s < r->scenes.count; ++s) {
         char scene[SS_FELT_NAME_SIZE], *save = NULL;

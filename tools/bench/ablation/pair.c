@@ -78,17 +78,10 @@ static softsim_status create_both(const char *scene, const ss_omission *omission
 static softsim_status open_publisher(side *s, softsim_error *error)
 {
     const ss_world *world = ss_world_of(s->world);
-    const ss_drawn *drawn = &world->drawn;
     const ss_publisher_config config = {.lcm_url = "memq://",
                                         .prefix = "ABLATION",
                                         .max_bytes_per_s = world->scene->max_bytes_per_s};
-    const ss_publish_mesh surface = {.node_count = drawn->node_count,
-                                     .triangle_count = drawn->triangle_count,
-                                     .rest = drawn->rest,
-                                     .triangle = drawn->triangle,
-                                     .file_node = drawn->file_node,
-                                     .fixed = drawn->fixed,
-                                     .diagonal = ss_mesh_diagonal(world->scene->mesh)};
+    const ss_publish_mesh surface = ss_world_publish_mesh(world);
     return world->surface != NULL ? ss_publisher_open(&config, &surface, &s->publisher, error)
                                   : SOFTSIM_OK;
 }

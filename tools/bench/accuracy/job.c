@@ -76,7 +76,7 @@ static char *model_text(work *w)
 {
     char *text = ss_accuracy_model_text(w->model, &w->setting, w->plan->set);
     if (text == NULL) {
-        softsim_error_add(w->error, SOFTSIM_ERROR_MEMORY, "out of memory");
+        (void)ss_memory_fault(w->error);
     }
     return text;
 }

@@ -236,8 +236,7 @@ softsim_status ss_idle_hand_start(const char *lcm_url, const char *prefix, ss_id
 {
     ss_idle_hand *hand = *out_hand = ss_memory_get(1, sizeof *hand);
     if (hand == NULL) {
-        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "out of memory");
-        return SOFTSIM_ERROR_MEMORY;
+        return ss_memory_fault(error);
     }
     hand->nodes_left = -1; /* not known */
     const softsim_client_config config = {.lcm_url = lcm_url,
