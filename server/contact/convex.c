@@ -16,7 +16,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "contact/convex.h"
+#include "contact/convex_cells.h"
 #include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
@@ -45,19 +45,6 @@ static bool is_over(const ss_convex *convex, int32_t t, const double x[3])
         }
     }
     return true;
-}
-
-double ss_convex_edge_square(const ss_convex *convex, int32_t e, const double x[3],
-                             double out_away[3])
-{
-    const double *a = convex->vertex[convex->edge[e][0]];
-    double along[3];
-    ss_sub3(along, convex->vertex[convex->edge[e][1]], a);
-    ss_sub3(out_away, x, a);
-    const double square = ss_dot3(along, along);
-    const double t = square > 0.0 ? ss_dot3(out_away, along) / square : 0.0;
-    ss_madd3(out_away, out_away, t < 0.0 ? 0.0 : t > 1.0 ? -1.0 : -t, along);
-    return ss_dot3(out_away, out_away);
 }
 
 /* The highest of the planes `number`, NULL: of all. */

@@ -22,7 +22,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "contact/convex.h"
+#include "contact/convex_cells.h"
 #include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"

@@ -4,8 +4,8 @@
 /*
  * Inside server/mesh only: a surface of triangles while repair.c mends it. Nodes and triangles are
  * appended, and taken out in order; each knows the node or triangle of the file that it stems from,
- * by which what is done is told. One step each of stitch.c, sheets.c and holes.c; repair.c goes
- * round them until nothing changes.
+ * by which what is done is told. One step each of stitch.c, sheets.c and holes.c; mend_surface.c
+ * goes round them until nothing changes.
  *
  * Lengths, relative to the mean edge h: nodes of open edges are one within SS_MEND_REACH, shorter
  * edges are closed up, and nodes so near to an open edge lie on it. Sheets that touched are parted
@@ -43,7 +43,7 @@ void ss_mend_drop_triangles(ss_mend *m);
 int32_t ss_mend_element(const ss_mend *m, int32_t triangle);
 int32_t ss_mend_node(const ss_mend *m, int32_t node);
 
-/* mend.c: the surface of `mesh`, mended. */
+/* mend_surface.c: the surface of `mesh`, mended. */
 softsim_status ss_mend_surface(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_repairs *done,
                                softsim_error *error);
 

@@ -26,15 +26,6 @@
 #include "rt/each.h"
 #include "rt/memory.h"
 
-bool ss_mesh_is_even(const ss_mesh *mesh, const ss_mesh_tuples *edges, int64_t begin, int64_t end)
-{
-    int64_t up = 0;
-    for (int64_t i = begin; i < end; ++i) {
-        up += ss_mesh_edge_is_ascending(mesh, edges->tuple[i].id);
-    }
-    return 2 * up == end - begin;
-}
-
 /* As many end a piece of the body as start one. `open` has room for `count`. */
 static void match_leaves(const ss_leaf *leaves, int32_t count, int32_t *open, int32_t *out_twin)
 {

@@ -19,7 +19,6 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-#include <stddef.h>
 #include <string.h>
 
 enum { CORNERS = 4 }; /* of tetrahedra and quads */
@@ -421,50 +420,4 @@ softsim_status ss_mesh_repair(const ss_mesh *mesh, ss_mesh **out_mesh, ss_mesh_r
         softsim_error_add(error, status, "out of memory while mending %d nodes", mesh->node_count);
     }
     return status;
-}
-
-/* ---- what is told ---- */
-
-int32_t ss_mesh_list_repairs(const ss_mesh_repairs *repairs, bool is_volume,
-                             ss_mesh_finding out[SS_MESH_MAX_FINDINGS])
-{
-#define ROW(name) offsetof(ss_mesh_repairs, name), #name
-    static const struct {
-        size_t field;
-        const char *key, *what, *where; /* NULL: of elements */
-        bool keeps_numbers;
-    } rows[] = {
-        {ROW(bad_element), "elements of bad nodes dropped", NULL, false},
-        {ROW(cut_quad), "quads cut into triangles", "quad", false},
-        {ROW(welded_node), "nodes welded to others", "node", false},
-        {ROW(flat_element), "flat elements dropped", NULL, false},
-        {ROW(twin_element), "double elements dropped", NULL, false},
-        {ROW(divided_triangle), "triangles divided at nodes on their edges", "triangle", false},
-        {ROW(flap_triangle), "triangles of inner walls and flaps dropped", "triangle", false},
-        {ROW(parted_edge), "edges of more than two triangles parted into sheets", "at node", false},
-        {ROW(cut_edge), "edges of one-sided surfaces cut", "at node", false},
-        {ROW(parted_node), "nodes parted where sheets touched", "node", false},
-        {ROW(sliver_part), "parts without a volume dropped, or too small to be one", "triangle",
-         false},
-        {ROW(filled_hole), "holes filled", "at node", false},
-        {ROW(loose_node), "loose nodes dropped", "node", false},
-        {ROW(turned_tetrahedron), "tetrahedra turned", "tetrahedron", true},
-        {ROW(turned_triangle), "triangles turned", NULL, true},
-    };
-#undef ROW
-    _Static_assert(sizeof rows / sizeof *rows <= SS_MESH_MAX_FINDINGS, "room for every row");
-    int32_t count = 0;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
-        const ss_mesh_fault *fault = (const void *)((const char *)repairs + rows[i].field);
-        if (fault->count > 0) {
-            out[count++] = (ss_mesh_finding){.key = rows[i].key,
-                                             .fault = fault,
-                                             .what = rows[i].what,
-                                             .where = rows[i].where != NULL ? rows[i].where
-                                                      : is_volume           ? "tetrahedron"
-                                                                            : "face",
-                                             .is_harmless = rows[i].keeps_numbers};
-        }
-    }
-    return count;
 }

@@ -37,8 +37,8 @@ int ss_mesh_find_side(const ss_mesh *mesh, int32_t e, int32_t a, int32_t b)
  * the marks of a group's nodes; those left empty go. */
 typedef int32_t group_more(const void *owner, const uint8_t *is_in, int32_t *out_node);
 
-static bool carry_groups(const ss_mesh *from, const int32_t *number, ss_mesh *to, group_more *more,
-                         const void *owner)
+static bool copy_groups(const ss_mesh *from, const int32_t *number, ss_mesh *to, group_more *more,
+                        const void *owner)
 {
     if (from->group_count == 0) {
         return true;
@@ -207,7 +207,7 @@ softsim_status ss_mesh_raise(const ss_mesh *mesh, ss_mesh **out_mesh, softsim_er
             (const int32_t(*)[10])r.ten, out_mesh, error);
     }
     if (!is_good ||
-        (status == SOFTSIM_OK && !carry_groups(mesh, number, *out_mesh, add_sides, &r))) {
+        (status == SOFTSIM_OK && !copy_groups(mesh, number, *out_mesh, add_sides, &r))) {
         status = fail(out_mesh, error);
     }
     raiser_fini(&r);
@@ -250,7 +250,7 @@ softsim_status ss_mesh_lower(const ss_mesh *mesh, ss_mesh **out_mesh, softsim_er
             ss_mesh_create(count, (const double(*)[3])position, 0, NULL, mesh->tetrahedron_count,
                            (const int32_t(*)[4])tetrahedron, out_mesh, error);
     }
-    if (!is_good || (status == SOFTSIM_OK && !carry_groups(mesh, number, *out_mesh, NULL, NULL))) {
+    if (!is_good || (status == SOFTSIM_OK && !copy_groups(mesh, number, *out_mesh, NULL, NULL))) {
         status = fail(out_mesh, error);
     }
     SS_EACH(ss_memory_free, number, tetrahedron, position);

@@ -192,6 +192,15 @@ bool ss_mesh_edge_is_ascending(const ss_mesh *mesh, int32_t id)
     return node[id % 3] < node[(id % 3 + 1) % 3];
 }
 
+bool ss_mesh_is_even(const ss_mesh *mesh, const ss_mesh_tuples *edges, int64_t begin, int64_t end)
+{
+    int64_t up = 0;
+    for (int64_t i = begin; i < end; ++i) {
+        up += ss_mesh_edge_is_ascending(mesh, edges->tuple[i].id);
+    }
+    return 2 * up == end - begin;
+}
+
 /* ---- parts ---- */
 
 void ss_mesh_union_init(int32_t *parent, int32_t count)

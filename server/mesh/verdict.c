@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * What a report (check.c) means: the words for each kind of fault, and whether a scene takes a
- * mesh.
+ * What a report (check.c) means: the words for each kind of fault and of repair (repair.c), and
+ * whether a scene takes a mesh.
  */
 #include "mesh/mesh.h"
 #include "rt/vec.h"
@@ -97,6 +97,53 @@ int32_t ss_mesh_list_findings(const ss_mesh *mesh, const ss_mesh_report *report,
         /* Some programs write every tetrahedron inverted; swapping two nodes of each repairs it. */
         f->is_minor = f->is_minor || (fault == &report->inverted_tetrahedron &&
                                       fault->count == mesh->tetrahedron_count);
+    }
+    return count;
+}
+
+int32_t ss_mesh_list_repairs(const ss_mesh_repairs *repairs, bool is_volume,
+                             ss_mesh_finding out[SS_MESH_MAX_FINDINGS])
+{
+#define REPAIR(name) offsetof(ss_mesh_repairs, name), #name
+    static const struct {
+        size_t field;
+        const char *key, *what, *where; /* NULL: of elements */
+        bool keeps_numbers;
+    } repair_rows[] = {
+        {REPAIR(bad_element), "elements of bad nodes dropped", NULL, false},
+        {REPAIR(cut_quad), "quads cut into triangles", "quad", false},
+        {REPAIR(welded_node), "nodes welded to others", "node", false},
+        {REPAIR(flat_element), "flat elements dropped", NULL, false},
+        {REPAIR(twin_element), "double elements dropped", NULL, false},
+        {REPAIR(divided_triangle), "triangles divided at nodes on their edges", "triangle", false},
+        {REPAIR(flap_triangle), "triangles of inner walls and flaps dropped", "triangle", false},
+        {REPAIR(parted_edge), "edges of more than two triangles parted into sheets", "at node",
+         false},
+        {REPAIR(cut_edge), "edges of one-sided surfaces cut", "at node", false},
+        {REPAIR(parted_node), "nodes parted where sheets touched", "node", false},
+        {REPAIR(sliver_part), "parts without a volume dropped, or too small to be one", "triangle",
+         false},
+        {REPAIR(filled_hole), "holes filled", "at node", false},
+        {REPAIR(loose_node), "loose nodes dropped", "node", false},
+        {REPAIR(turned_tetrahedron), "tetrahedra turned", "tetrahedron", true},
+        {REPAIR(turned_triangle), "triangles turned", NULL, true},
+    };
+#undef REPAIR
+    _Static_assert(sizeof repair_rows / sizeof *repair_rows <= SS_MESH_MAX_FINDINGS,
+                   "room for every row");
+    int32_t count = 0;
+    for (size_t i = 0; i < sizeof repair_rows / sizeof *repair_rows; ++i) {
+        const ss_mesh_fault *fault = (const void *)((const char *)repairs + repair_rows[i].field);
+        if (fault->count > 0) {
+            out[count++] =
+                (ss_mesh_finding){.key = repair_rows[i].key,
+                                  .fault = fault,
+                                  .what = repair_rows[i].what,
+                                  .where = repair_rows[i].where != NULL ? repair_rows[i].where
+                                           : is_volume                  ? "tetrahedron"
+                                                                        : "face",
+                                  .is_harmless = repair_rows[i].keeps_numbers};
+        }
     }
     return count;
 }

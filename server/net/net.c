@@ -191,7 +191,7 @@ static void receive_pose(void *context, const ss_packet *packet)
     net->calls.handle_pose(net->calls.context, &pose, packet->digit, receive_ns);
 }
 
-static void run_command(ss_net *net, const ss_packet *packet, ss_senders *senders)
+static void take_command(ss_net *net, const ss_packet *packet, ss_senders *senders)
 {
     ss_net_command command;
     softsim_refusal refusal = ss_net_decode_command(packet->data, packet->size, &command);
@@ -219,13 +219,13 @@ static void run_command(ss_net *net, const ss_packet *packet, ss_senders *sender
 static void receive_command(void *context, const ss_packet *packet)
 {
     ss_net *net = context;
-    run_command(net, packet, &net->commands);
+    take_command(net, packet, &net->commands);
 }
 
 static void receive_request(void *context, const ss_packet *packet)
 {
     ss_net *net = context;
-    run_command(net, packet, &net->requests);
+    take_command(net, packet, &net->requests);
 }
 
 /* Multicast brings our own status back too; any other is another server's. */

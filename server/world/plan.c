@@ -23,11 +23,9 @@ enum {
     FORCE_RING = 8192, /* one second of eight probes */
     /* What the net thread lets in between two steps at 1 Hz: 900 and a burst of them (net/net.c).
      * Were there less room, the commands of others would keep out those of one who rarely asks. */
-    COMMAND_RING = 2048,
-    UNTIMED_SUBSTEPS = 100000 /* the most that simulation.max_substeps takes; beyond, a verdict */
+    COMMAND_RING = 2048
 };
-static const double FULL_STEP_S = 0.004; /* of simulation.max_substeps */
-static const double SLOWEST_STEP = 0.2;  /* s: two of them, and a result is too old to be felt */
+static const double SLOWEST_STEP = 0.2; /* s: two of them, and a result is too old to be felt */
 
 int32_t ss_world_scene_models(ss_scene_model out_models[SS_MAX_MODELS])
 {
@@ -72,45 +70,6 @@ static void pass_on(const char *path, const softsim_error *fault, softsim_error 
         softsim_error_add(error, fault->status, "%s: model: %.*s", path, length, at);
         at += length + (at[length] == '\n');
     }
-}
-
-/* Sub-steps that simulation.max_substeps allows a step: it is named for one of up to 4 ms, and a
- * longer one has as much more time. */
-static int32_t substep_budget(const ss_world *world)
-{
-    const double share = fmax(1.0, world->step_period / FULL_STEP_S);
-    return (int32_t)fmin(share * world->scene->max_substeps, UNTIMED_SUBSTEPS);
-}
-
-ss_model_plan ss_world_plan(const ss_world *world)
-{
-    const ss_scene *scene = world->scene;
-    const int32_t budget = substep_budget(world);
-    ss_model_plan plan = {.mesh = scene->mesh,
-                          .surface = scene->surface,
-                          .fixed = scene->fixed,
-                          .param = scene->param,
-                          .load = scene->load,
-                          .load_count = scene->load_count,
-                          .prescribed = world->prescribed,
-                          .prescribed_count = scene->prescribed_count,
-                          .working_force = scene->working_force_n,
-                          .contact_stiffness = scene->contact_stiffness_n_per_m3,
-                          .friction = scene->friction.number,
-                          .friction_by_node = scene->friction.per_node,
-                          .grasp_max_force = scene->grasp_max_force_n,
-                          .max_force = scene->max_force_n,
-                          .step = world->step_period,
-                          .yardstick = world->planned_yardstick,
-                          .max_substeps = world->has_budget ? budget : UNTIMED_SUBSTEPS,
-                          .substep_budget = budget,
-                          .threads = world->threads};
-    ss_copy3(plan.gravity, scene->gravity);
-    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        plan.tool[p].is_used = scene->tool[p].is_used;
-        plan.tool[p].shape = scene->tool[p].shape;
-    }
-    return plan;
 }
 
 /* A model for the step that was chosen. */

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "contact/contact.h"
-#include "contact/convex.h"
+#include "contact/convex_cells.h"
 #include "contact/shape.h"
 #include "contact_fixture.h"
 #include "rt/memory.h"

@@ -56,7 +56,8 @@ static void put_lane(ss_fem_blocks *blocks, int32_t lane, const lane_values *val
 }
 
 /* Material of element e over `volume`, of which the share `cohesion` is the pair potential's. */
-static lane_values stuff(const ss_fem_material *material, int32_t e, double volume, double cohesion)
+static lane_values values_of(const ss_fem_material *material, int32_t e, double volume,
+                             double cohesion)
 {
     const double mu = volume * material->mu[e];
     const double lambda = volume * material->lambda[e];
@@ -70,7 +71,7 @@ static lane_values stuff(const ss_fem_material *material, int32_t e, double volu
 
 void ss_hybrid_write_element(ss_hybrid *hybrid, int32_t e)
 {
-    const lane_values value = stuff(&hybrid->material, e, hybrid->volume[e], 0.0);
+    const lane_values value = values_of(&hybrid->material, e, hybrid->volume[e], 0.0);
     put_lane(&hybrid->core, hybrid->lane[e], &value);
 }
 
@@ -94,7 +95,8 @@ static void write_point(ss_hybrid *hybrid, int32_t k)
     const double volume = (double)hybrid->particle[p].blend * layer->volume[p];
     const double mu = volume * hybrid->material.mu[layer->host[p]];
     const int32_t pairs = layer->pair_first[p + 1] - layer->pair_first[p];
-    const lane_values value = stuff(&hybrid->material, layer->host[p], volume, hybrid->cohesion);
+    const lane_values value =
+        values_of(&hybrid->material, layer->host[p], volume, hybrid->cohesion);
     put_lane(&hybrid->points, k, &value);
     hybrid->coefficient[2 * k] =
         (ss_real)(hybrid->stabilisation * mu) * layer->moment[8 * (ptrdiff_t)p + 6];

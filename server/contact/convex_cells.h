@@ -7,6 +7,7 @@
  * it.
  */
 #include "contact/shape.h"
+#include "rt/vec.h"
 
 /* A box of space: eight smaller ones, or a leaf's list. */
 typedef struct ss_convex_cell {
@@ -40,10 +41,20 @@ static inline double ss_convex_plane_value(const ss_convex *convex, int32_t f, c
 }
 
 /* Squared distance of x from edge `e`, and the way from its nearest point. RT-safe. */
-double ss_convex_edge_square(const ss_convex *convex, int32_t e, const double x[3],
-                             double out_away[3]);
+static inline double ss_convex_edge_square(const ss_convex *convex, int32_t e, const double x[3],
+                                           double out_away[3])
+{
+    const double *a = convex->vertex[convex->edge[e][0]];
+    double along[3];
+    ss_sub3(along, convex->vertex[convex->edge[e][1]], a);
+    ss_sub3(out_away, x, a);
+    const double square = ss_dot3(along, along);
+    const double t = square > 0.0 ? ss_dot3(out_away, along) / square : 0.0;
+    ss_madd3(out_away, out_away, t < 0.0 ? 0.0 : t > 1.0 ? -1.0 : -t, along);
+    return ss_dot3(out_away, out_away);
+}
 
-/* ---- convex_cells.c ---- */
+/* ---- cells ---- */
 
 /* Divides the space about a mesh with planes; false without memory. */
 bool ss_convex_divide(ss_convex *convex);
