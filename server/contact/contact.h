@@ -39,7 +39,7 @@ typedef enum ss_shape_kind {
     SS_SHAPE_CONVEX
 } ss_shape_kind;
 
-typedef struct ss_convex ss_convex; /* a convex mesh, for libccd */
+typedef struct ss_convex ss_convex; /* a convex mesh */
 
 /* Centred on the tool's origin, axis z. */
 typedef struct ss_shape {
@@ -84,13 +84,6 @@ void ss_tool_pose_blend(const ss_tool_pose *from, const ss_tool_pose *to, double
  * penalty from tunnelling; the broad phase covers the whole path whatever its length. RT-safe. */
 double ss_tool_motion_bound(const ss_shape *shape, const ss_tool_pose *from,
                             const ss_tool_pose *to);
-
-/* Do two placed shapes overlap? Through libccd at unit scale with capped iterations; the depth is
- * then computed exactly from the two supports along libccd's direction. Returns false, and counts
- * it in *inout_failures (may be NULL), when libccd does not converge. */
-bool ss_shape_penetration(const ss_shape *a, const ss_tool_pose *pose_a, const ss_shape *b,
-                          const ss_tool_pose *pose_b, double *out_depth, double out_direction[3],
-                          int64_t *inout_failures);
 
 /* ---- the tissue's contact surface ---- */
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * In the place of convex.c, convex_cells.c and penetration.c where SOFTSIM_CONVEX is OFF: a scene
- * with a convex tool is refused, so that no shape has a convex mesh and the rest is never called.
+ * In the place of convex.c and convex_cells.c where SOFTSIM_CONVEX is OFF: a scene with a convex
+ * tool is refused, so that no shape has a convex mesh and the rest is never called.
  * Rejected: conditions in each file that knows the kinds of shapes.
  */
 #include "contact/shape.h"
