@@ -70,9 +70,11 @@ static void take_convex(ss_scene_loader *l, const ss_scene_node *map, ss_shape *
     if (units == NULL || !find_file(l, file, path, sizeof path)) {
         return;
     }
+    softsim_error fault = {.status = SOFTSIM_OK};
     if (ss_mesh_load(path, metres_of(units), l->import_program, &mesh, l->mesh_error) ==
-        SOFTSIM_OK) {
-        ss_shape_init_convex(shape, mesh, l->mesh_error);
+            SOFTSIM_OK &&
+        ss_shape_init_convex(shape, mesh, &fault) != SOFTSIM_OK) {
+        ss_scene_node_fault(l->report, file, "%s", fault.text);
     }
     ss_mesh_destroy(&mesh);
 }

@@ -77,6 +77,7 @@ static int make_files(void **state)
     write_text("seven.txt", "# the far corner\n7\n");
     write_text("none.txt", "# nothing\n");
     write_text("bad_nodes.txt", "1\ntwo\n8\n1\n");
+    write_text("flat.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     write_text("rho.csv", "node,value\n0,1\n1,2\n2,3\n3,4\r\n4,5\n5,6\n6,7\n7,8\n");
     write_text("short.csv", "node,value\n0,1\n1,2\n");
     write_text("header.csv", "element,value\n0,1\n");

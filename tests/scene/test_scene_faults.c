@@ -104,6 +104,8 @@ static const bad bad_row[] = {
     {10, "  tools: [{probe: 1, shape: {box: {size_mm: [1, 0, 1]}}}]", "10:49", "above 0"},
     {10, "  tools: [{probe: 1, shape: {cone: {radius_mm: 1}}}]", "10:30", "length_mm is missing"},
     {10, "  tools: [{probe: 1, shape: {convex: {file: no.obj}}}]", "10:45", "cannot open"},
+    {10, "  tools: [{probe: 1, shape: {convex: {file: flat.off}}}]", "10:45",
+     "4 to 2048 triangles"},
     {10,
      "  tools:\n    - {probe: 1, shape: {sphere: {radius_mm: 5}}}\n"
      "    - {probe: 1, shape: {sphere: {radius_mm: 5}}}",
