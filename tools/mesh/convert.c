@@ -71,6 +71,12 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 
+/* From the unit of IN to that of OUT. */
+static double scale_of(const conversion *c)
+{
+    return c->to_units >= 0 ? metres_per_unit(c->units) / metres_per_unit(c->to_units) : 1.0;
+}
+
 static void print_repairs(const char *path, const ss_mesh *mesh, const ss_mesh_repairs *done)
 {
     const struct {
@@ -136,9 +142,10 @@ static softsim_status mend(const conversion *c, ss_mesh **inout_mesh, softsim_er
     }
     ss_mesh_destroy(inout_mesh);
     *inout_mesh = mended;
+    const double scale = scale_of(c);
     for (int32_t i = 0; i < mended->node_count && is_rounded_by(c->path[1]); ++i) {
         for (int k = 0; k < 3; ++k) {
-            mended->position[i][k] = (double)(float)mended->position[i][k];
+            mended->position[i][k] = (double)(float)(scale * mended->position[i][k]) / scale;
         }
     }
     return judge(c, mended, error);
@@ -159,8 +166,7 @@ static int convert(const void *what, softsim_error *error)
     status = status == SOFTSIM_OK ? change_order(c->order, &mesh, error) : status;
     if (status == SOFTSIM_OK && c->to_units >= 0) {
         static const double none[3] = {0.0, 0.0, 0.0};
-        ss_mesh_transform(mesh, metres_per_unit(c->units) / metres_per_unit(c->to_units), none,
-                          none);
+        ss_mesh_transform(mesh, scale_of(c), none, none);
     }
     if (status == SOFTSIM_OK) {
         status = write_mesh(mesh, c->path[1], error);
