@@ -594,6 +594,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         ss_local_contact_decay(
             &haptic->local, haptic->config.period,
             haptic->slip.stiffness_fraction < 1.0 ? 1.0 : ss_admission_left(&haptic->admission),
+            ss_slip_time_left(&haptic->slip, haptic->motion.v),
             haptic->yield.spring + haptic->config.damping / haptic->config.period,
             haptic->motion.speed);
         ss_local_contact_turn(&haptic->local, ss_haptic_held_pose(haptic)->orientation);

@@ -201,11 +201,10 @@ typedef struct ss_rest {
 
 void ss_local_contact_clear(ss_local_contact *local);
 /* Lets offsets decay by one period; slower, and the viscosities fade, where the proxy is not where
- * the hand would have it: `held_back` 1 at the limit, 1 to 0 while entering. `spring` (N/m): the
- * coupling's, damper included; `speed` (m/s): the hand's,
- * fading. */
-void ss_local_contact_decay(ss_local_contact *local, double period, double held_back, double spring,
-                            double speed);
+ * the hand would have it: `held_back` 1 at the limit, 1 to 0 while entering, and for `time_left`
+ * (s). `spring` (N/m): the coupling's, damper included; `speed` (m/s): the hand's, fading. */
+void ss_local_contact_decay(ss_local_contact *local, double period, double held_back,
+                            double time_left, double spring, double speed);
 /* Takes a new result so that the force at the last proxy does not change. `pdot` is the proxy's
  * velocity of the last tick, `x` the pose used. With `is_fresh` nothing is kept of the old law. */
 void ss_local_contact_take(ss_local_contact *local, const ss_simulation_result *result,
@@ -342,6 +341,9 @@ void ss_slip_clear(ss_slip *slip);
  * up so that tissue of `stiffness` (N/m, as felt) can follow. True while it goes down. */
 bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, double size,
                     double stiffness);
+/* s: until a hand with velocity v comes out of the limit; INFINITY where it does not, or is not
+ * there. */
+double ss_slip_time_left(const ss_slip *slip, const double v[3]);
 /* Has a grasp that was let go left the proxy too far from the hand to come back? */
 bool ss_slip_is_lost(const ss_slip *slip);
 /* What a balance with a coupling of `spring` leaves; `force` is the local contact model's. */

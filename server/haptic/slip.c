@@ -55,6 +55,14 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
     return false;
 }
 
+/* What updates left is gone by then: the force leaves the limit where the tissue does. */
+double ss_slip_time_left(const ss_slip *slip, const double v[3])
+{
+    const double speed = ss_dot3(v, slip->direction);
+    return slip->stiffness_fraction < 1.0 && speed > 0.0 ? fmax(0.0, slip->length) / speed
+                                                         : INFINITY;
+}
+
 bool ss_slip_is_lost(const ss_slip *slip)
 {
     return slip->is_from_grasp && ss_norm3(slip->aside) > LOST;

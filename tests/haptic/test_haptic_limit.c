@@ -559,6 +559,52 @@ TEST(a_membrane_at_the_limit_does_not_swing)
     rig_end(&r);
 }
 
+/* One tick of a hand at `z` on tissue of 800 N/m that says it has 2000, its surface at `top`. */
+static double press_stiff_law(rig *r, double top, double z)
+{
+    if (r->tick > 0) {
+        const double depth = -r->out.target.proxy[2];
+        rig_result(r, 2000.0, depth, 1);
+        const double force = fmax(0.0, 800.0 * (top + depth));
+        r->result.set.contact[0].force = r->result.set.force[2] = force;
+        r->result.set.contact[0].gap = fmax(0.0, -top - depth);
+    }
+    return rig_tick(r, z);
+}
+
+/* Tissue that comes up after the tool at 2 mm/s lets the law, which is too stiff, hold back a part
+ * of the reaction as long as the force is limited. A hand that comes out at 50 mm/s feels the limit
+ * for as long as one without a limit feels more. */
+TEST(the_force_leaves_the_limit_where_the_tissue_does)
+{
+    const double limit = 0.6;
+    rig r[2];
+    for (int k = 0; k < 2; ++k) {
+        ss_haptic_config config = default_config();
+        config.max_force = k == 0 ? limit : 100.0;
+        config.damping = 2.0;
+        config.stiffness = 400.0;
+        rig_start(&r[k], &config);
+        ss_set3(r[k].pose.velocity, NAN, NAN, NAN);
+    }
+    double least = 1.0;
+    int judged = 0;
+    for (int n = 0; n < 1300; ++n) {
+        const double top = 2e-6 * fmax(0.0, n - 400.0);
+        const double z = 1e-3 - 11e-3 * fmin(1.0, n / 400.0) + 5e-5 * fmax(0.0, n - 1000.0);
+        const double limited = press_stiff_law(&r[0], top, z);
+        const double open = press_stiff_law(&r[1], top, z);
+        if (n > 1000 && open >= limit) {
+            least = fmin(least, limited / limit);
+            ++judged;
+        }
+    }
+    print_message("%d ticks on the way out, at least %.4f of the limit\n", judged, least);
+    assert_true(judged > 100 && least >= 0.99);
+    rig_end(&r[0]);
+    rig_end(&r[1]);
+}
+
 /* hold and linear cut the force, and their proxy stays where the tissue answers with the limit. */
 TEST(hold_and_linear_keep_the_limit_and_the_proxy)
 {
