@@ -148,8 +148,9 @@ int32_t ss_contact_query_weigh(ss_contact_query *query, const ss_real *u, const 
                                const ss_tool_pose *pose, const int32_t **out_node,
                                const double **out_weight, double *out_total);
 /* The forces through the weights: f_s = -A_s phi'(d_s) (sum_i b_si mu_i) n_s, added to `force`
- * (4 ss_real a node) by b_si and, with opposite sign, to the tool's force and torque about its
- * origin. `mu`: one value per node returned by the last weigh. RT-safe. */
+ * (4 ss_real a node; NULL: the tool's share alone is wanted) by b_si and, with opposite sign, to
+ * the tool's force and torque about its origin. `mu`: one value per node returned by the last
+ * weigh; NULL: 1 of each. RT-safe. */
 void ss_contact_query_weight_forces(const ss_contact_query *query, const double *mu, ss_real *force,
                                     double tool_force[3], double tool_torque[3]);
 

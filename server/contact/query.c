@@ -262,7 +262,8 @@ void ss_contact_query_weight_forces(const ss_contact_query *query, const double 
         double at[3];
         double on_node[3][3] = {{0.0}};
         for (int k = 0; k < 3; ++k) {
-            at[k] = source->slot[k] >= 0 ? mu[source->slot[k]] : 0.0;
+            const int32_t slot = source->slot[k];
+            at[k] = slot < 0 ? 0.0 : mu ? mu[slot] : 1.0;
         }
         for (int s = 0; s < count; ++s) {
             ss_real row[3];
@@ -285,7 +286,7 @@ void ss_contact_query_weight_forces(const ss_contact_query *query, const double 
                 ss_madd3(on_node[k], on_node[k], (double)row[k], f);
             }
         }
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < 3 && force; ++k) {
             for (int c = 0; c < 3; ++c) {
                 force[4 * (int64_t)corner[k] + c] += (ss_real)on_node[k][c];
             }

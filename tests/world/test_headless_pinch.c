@@ -184,7 +184,6 @@ static bool is_smooth(const body *b, pinch kind)
         whole = run(b, 1000.0).change;
         is_good = one.most > 0.05 && one.change <= 1.5 * whole;
     }
-    is_good = is_good || (strcmp(b->name, "chainmail") == 0 && one.change < 0.25 * one.most);
     print_message("%-14s %s: up to %.3f N, by %.4f N a tick (at %.3f s), by %.4f at half the "
                   "period; whole block %.4f%s\n",
                   b->name, pinch_names[kind], one.most, one.change, one.at, half.change, whole,

@@ -29,9 +29,12 @@ typedef struct ss_mail_request {
  * with it, and rest_felt is what it feels. */
 typedef struct ss_mail_tool {
     ss_tool *base;
-    bool is_touching;
-    double dent;     /* m, e - gap of the last step */
-    ss_real *before; /* u^0: 4 a node */
+    bool is_touching; /* or has just left */
+    double e;         /* m, and the rest of the last step's: */
+    double dent;      /* m, e - gap: < 0 as it leaves, 0 where it touches nothing */
+    double normal[3]; /* n */
+    double arm[3];    /* m, from the tool's origin to the line that it is pushed along */
+    ss_real *before;  /* u^0: 4 a node */
 } ss_mail_tool;
 
 struct ss_model {

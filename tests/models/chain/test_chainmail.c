@@ -201,6 +201,128 @@ TEST(tool_moves_what_it_touches_and_feels_a_spring)
     setup_fini(&s);
 }
 
+/* ---- what a tool that leaves is told ---- */
+
+enum { SIDE = 9, HEIGHT = 5 };
+static const double cell_m = 0.01, ball_m = 0.015;
+
+/* A block held below with a ball over its middle; `groove` (m): its walls fall to x = 4 cells. */
+static void setup_block(setup *s, double groove)
+{
+    setup_init(s, "chainmail", make_box(SIDE, SIDE, HEIGHT, cell_m));
+    for (int32_t i = SIDE * SIDE * (HEIGHT - 1); i < s->mesh->node_count; ++i) {
+        s->mesh->position[i][2] -= groove * fmax(0.0, 1.0 - abs(i % SIDE - SIDE / 2) / 2.0);
+    }
+    add_sphere(s, 0, ball_m);
+    for (int32_t i = 0; i < SIDE * SIDE; ++i) {
+        s->fixed[i] = 7;
+    }
+    create(s);
+}
+
+typedef struct told {
+    double force[3]; /* N */
+    double gap;      /* m; INFINITY: no contact */
+} told;
+
+/* A step of 1 ms of the ball's middle to (x, z). */
+static told go(setup *s, ss_model_tool *tool, double x, double z)
+{
+    ss_contact_set set;
+    told out = {.gap = (double)INFINITY};
+    tool[0].is_present = true;
+    tool[0].to = (ss_tool_pose){.position = {x, 4 * cell_m, z}, .orientation = {1, 0, 0, 0}};
+    tool[0].from = s->time > 0.0 ? tool[0].from : tool[0].to;
+    s->class->step(s->model, s->time, 0.001, tool);
+    s->time += 0.001;
+    tool[0].from = tool[0].to;
+    s->class->contacts(s->model, 0, 0.005, &set);
+    for (int32_t k = 0; k < set.count; ++k) {
+        ss_madd3(out.force, out.force, set.contact[k].force, set.contact[k].normal);
+        out.gap = fmin(out.gap, set.contact[k].gap);
+    }
+    return out;
+}
+
+/* Down to `deep` below the touch over x = 4 cells, at 0.1 mm a step. */
+static told press_in(setup *s, ss_model_tool *tool, double deep)
+{
+    told last = {.gap = (double)INFINITY};
+    for (int k = 0; 0.0001 * k < deep + 1e-9; ++k) {
+        last = go(s, tool, 4 * cell_m, 4 * cell_m + ball_m - 0.0001 * k);
+    }
+    return last;
+}
+
+/* What the hand meets on its way out goes down with the way, past zero: the law between results
+ * takes force and gap for one line. Also out of a dent deeper than the tool's contacts look. */
+TEST(a_dent_is_left_without_a_step)
+{
+    static const double deep[] = {0.0049, 0.0140};
+    const double spring = 2.0 / ball_m, way = 0.0001;
+    for (int d = 0; d < 2; ++d) {
+        setup s;
+        setup_block(&s, 0.0);
+        ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+        double last = press_in(&s, tool, deep[d]).force[2] / spring;
+        assert_true(last > 0.5 * deep[d]);
+        for (int k = 1; last > -0.002; ++k) {
+            const told now = go(&s, tool, 4 * cell_m, 4 * cell_m + ball_m - deep[d] + way * k);
+            const double depth = now.force[2] / spring - now.gap;
+            assert_true(k < 400 && depth < last + 1e-9);
+            assert_below(last - depth, 3.0 * way);
+            last = depth;
+        }
+        setup_fini(&s);
+    }
+}
+
+/* Over a groove the nearest wall changes at once as the ball passes, the force does not. */
+TEST(a_dent_between_two_walls_is_felt_without_a_step)
+{
+    const double spring = 2.0 / ball_m, way = 0.0001;
+    setup s;
+    setup_block(&s, 0.010);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    const double up = 4 * cell_m + ball_m - 0.0095;
+    told last = press_in(&s, tool, 0.010);
+    for (int k = 1; k <= 5; ++k) {
+        last = go(&s, tool, 4 * cell_m, up - 0.0005 + way * k);
+    }
+    assert_true(last.force[2] > 0.0005 * spring);
+    for (int k = 1; k <= 60; ++k) { /* aside, and over to the other wall */
+        const double aside = k <= 20 ? way * k : way * (40 - k);
+        const told now = go(&s, tool, 4 * cell_m + aside, up);
+        double by[3];
+        ss_sub3(by, now.force, last.force);
+        assert_below(ss_norm3(by), 2.0 * spring * way);
+        last = now;
+    }
+    setup_fini(&s);
+}
+
+/* Drawn up beyond where it was touched, it presses back from there. */
+TEST(tissue_that_was_drawn_up_is_felt_where_it_is)
+{
+    const double top = 4 * cell_m + ball_m, way = 0.0001;
+    setup s;
+    setup_block(&s, 0.0);
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    (void)press_in(&s, tool, 0.002);
+    tool[0].is_grasping = true;
+    for (int k = 0; k <= 30; ++k) {
+        (void)go(&s, tool, 4 * cell_m, top - 0.002 + way * k);
+    }
+    tool[0].is_grasping = false;
+    assert_true(moved(&s, 4 * SIDE * SIDE + 40, 2) > 0.0005);
+    told last = {.gap = (double)INFINITY};
+    for (int k = 0; k <= 5; ++k) {
+        last = go(&s, tool, 4 * cell_m, top + 0.001 - way * k);
+    }
+    assert_true(last.force[2] > 2.0 / ball_m * 0.0003);
+    setup_fini(&s);
+}
+
 /* A set that drives z alone leaves x and y to the links. */
 TEST(axes_that_are_not_prescribed_are_free)
 {
