@@ -36,10 +36,15 @@
  * tissue is heavy (a ventricle of soft tissue at 0.5 N: reactions of 0 to 14 times the limit), with
  * 30 ms in a lattice of springs, from 60 ms on in none of the models. The same while entering,
  * where tissue springs back against the tool: undelayed that steps a held ventricle by 6 % a tick.
- * Of a hand that comes out of the limit it is no more than the time that this takes: tissue that
- * follows the tool against a law that is too stiff leaves an offset of (k v tau) below the
- * reaction. With 60 ms a box came out of a chain mail's limit while that still gave 1.16 of it. */
+ */
 #define HELD_BACK_OFFSET_TIME 0.060
+/* Of a hand that comes out of the limit it is no more than this share of what that takes, and no
+ * less than this (s). Tissue that follows the tool at v against a law that is too stiff by k leaves
+ * an offset k v tau below its reaction: with 60 ms a box came out of a chain mail's limit while
+ * that gave 1.2 of it. With all of the time that is left, down to 4 ms, a soft ventricle's force
+ * steps by 2.5 % there, with 15 ms that of a lattice of springs by 1 %. */
+#define LEAVING_SHARE       (1.0 / 3.0)
+#define LEAVING_OFFSET_TIME 0.020
 /* s: of the mean of an offset by which it decays at the limit and in a grasp. A membrane answers a
  * move within a tick with over a hundred times the stiffness that it is told to have at rest: a
  * liver (cnn-energy) held at 8 N reacted with 4 to 25 N, in turns of three ticks. Tissue that is
@@ -149,7 +154,8 @@ void ss_local_contact_decay(ss_local_contact *local, double period, double held_
     const double against = stiffness_against(local, spring);
     set_offset_time(local, period, against, speed);
     const double usual = local->offset_time;
-    local->min_offset_time = fmax(fmin(held_back * HELD_BACK_OFFSET_TIME, time_left),
+    const double leaving = fmax(LEAVING_OFFSET_TIME, LEAVING_SHARE * time_left);
+    local->min_offset_time = fmax(fmin(held_back * HELD_BACK_OFFSET_TIME, leaving),
                                   local->min_offset_time * exp(-period / HELD_BACK_RECOVERY_TIME));
     local->min_offset_time =
         local->min_offset_time > NEGLIGIBLE_TIME ? local->min_offset_time : 0.0;

@@ -55,7 +55,6 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
     return false;
 }
 
-/* What updates left is gone by then: the force leaves the limit where the tissue does. */
 double ss_slip_time_left(const ss_slip *slip, const double v[3])
 {
     const double speed = ss_dot3(v, slip->direction);
