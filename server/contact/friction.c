@@ -24,7 +24,8 @@
  *
  * The energy kept and D together are the potential of f for limits that stay (Huber's function of
  * s, Simo and Hughes 1998, 2.6 for the mapping), which is what implicit models minimise; its
- * majorant has the stiffness kc A min(1, |s'|/|s|)(1 - n n^T): the tangent.
+ * majorant has the stiffness kc A min(1, |s'|/|s|)(1 - n n^T): the tangent. A sample that comes to
+ * touch has no spring in that press, wherever it is tried, and so no stiffness.
  *
  * What a press finds is only kept when it is accepted: a step that tries several places asks
  * for the forces at each from the same anchors.
@@ -161,7 +162,7 @@ static double rub(const ss_sample *sample, const anchor *before, const double q[
         ss_madd3(arm, r, -share, s);
         ss_rotate_back(after->at, q, arm);
     }
-    out->hold = (ss_real)share;
+    out->hold = before != NULL ? (ss_real)share : 0;
     for (int k = 0; k < 3; ++k) {
         out->s[k] = (ss_real)(share * s[k]);
     }

@@ -212,12 +212,35 @@ TEST(each_node_may_have_its_coefficient)
     close_query();
 }
 
+/* What comes to touch in a press has no spring yet, wherever the press is tried: its tangent is
+ * that of a contact without friction, however small or large the coefficient. */
+TEST(the_tangent_holds_nothing_that_has_just_come_to_touch)
+{
+    double free_change[3], friction[3], change[3] = {0.0, 0.0, 0.0};
+    const double way[3] = {1.0, 0.0, 0.0};
+    make_plane(40, 40, 0.002);
+    open_query(&sphere_5mm, 0, 0.003, 1e8);
+    ss_tool_pose pose = sphere_at(0.0, 0.0, DEPTH);
+    broad_phase(&pose, &pose);
+    penalty(&pose);
+    ss_set3(free_change, 0.0, 0.0, 0.0);
+    ss_contact_query_tangent(query, NULL, way, NULL, free_change);
+    close_query();
+    pose = begin_pressed(friction);
+    ss_contact_query_tangent(query, NULL, way, NULL, change);
+    for (int k = 0; k < 3; ++k) {
+        assert_near(change[k], free_change[k], 0.0);
+    }
+    close_query();
+}
+
 /* The tangent is the force's change while all of it sticks, and no more than that when it slides.
  */
 TEST(the_tangent_holds_what_sticks)
 {
     double friction[3], change[3];
     ss_tool_pose pose = begin_pressed(friction);
+    go(&pose, friction);
     for (int slides = 0; slides < 2; ++slides) {
         ss_set3(change, 0.0, 0.0, 0.0);
         ss_contact_query_tangent(query, NULL, (double[3]){1.0, 0.0, 0.0}, NULL, change);
