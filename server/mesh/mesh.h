@@ -95,6 +95,13 @@ typedef struct ss_load {
     double ramp;     /* s, from 0 to full */
 } ss_load;
 
+/* Does it push at all? A load of 0 N is none. */
+static inline bool ss_load_pushes(const ss_load *load)
+{
+    const double *f = load->force;
+    return load->is_pressure ? load->pressure != 0.0 : f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0;
+}
+
 /* "hexahedra" and so on. */
 const char *ss_mesh_kind_name(ss_mesh_kind kind);
 

@@ -226,6 +226,9 @@ static bool is_driven(ss_sleep *sleep, double time)
     sleep->until = INFINITY;
     for (int32_t k = 0; k < sleep->load_count; ++k) {
         const ss_load *load = &sleep->load[k];
+        if (!ss_load_pushes(load)) {
+            continue;
+        }
         is_any = is_any || changes(load->from, load->ramp, time, margin, &sleep->until) ||
                  changes(load->to, 0.0, time, margin, &sleep->until);
     }

@@ -8,11 +8,12 @@
  * A load's nodes, or a prescribed patch, are a source of the network with fixed weights: equal ones
  * for a force, by area for a pressure; or, with `source: contact`, the one cell among them that
  * lies nearest their centre (Zhong et al. 2006, equation 10), while the force stays on all of
- * them. It is switched on when the load first acts and stays on
- * (the strain it has caused must be undone after the force is gone); what it holds at that moment
- * is booked as work. Loads on the same nodes share one source: a force and the force that takes
- * it back are one contact. Pressure follows the deformed surface, once per step. Prescribed axes
- * move at constant velocity through a step: with their mobility at 0, RK4 follows them exactly.
+ * them. A load of 0 N has none: it would only stiffen what tools feel. It is switched on when the
+ * load first acts and stays on (the strain it has caused must be undone after the force is gone);
+ * what it holds at that moment is booked as work. Loads on the same nodes share one source: a force
+ * and the force that takes it back are one contact. Pressure follows the deformed surface, once per
+ * step. Prescribed axes move at constant velocity through a step: with their mobility at 0, RK4
+ * follows them exactly.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -161,6 +162,9 @@ static softsim_status create_load(ss_model *model, int32_t which, patch *cells, 
         return SOFTSIM_ERROR_SCENE;
     }
     check_rho(model, cells, which, error);
+    if (!ss_load_pushes(load->plan)) {
+        return SOFTSIM_OK; /* a source that nothing feeds would stiffen what tools feel */
+    }
     return find_source(model, cells, load->plan->from, &unused);
 }
 

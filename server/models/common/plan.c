@@ -86,7 +86,8 @@ double ss_plan_ramp(double from, double ramp, double time)
 
 double ss_plan_load_factor(const ss_load *load, double time)
 {
-    return time < load->to ? ss_plan_ramp(load->from, load->ramp, time) : 0.0;
+    return ss_load_pushes(load) && time < load->to ? ss_plan_ramp(load->from, load->ramp, time)
+                                                   : 0.0;
 }
 
 /* ---- prescribed sets ---- */

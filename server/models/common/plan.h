@@ -37,7 +37,7 @@ bool ss_plan_is_prescribed(const ss_prescribed *set, int32_t i, int k);
 uint8_t ss_plan_driven_axes(const ss_prescribed *set, int32_t i);
 /* 0 before `from`, 1 from `from` + `ramp` on. */
 double ss_plan_ramp(double from, double ramp, double time);
-/* The share of a load that acts at `time`. */
+/* The share of a load that acts at `time`; of one that pushes nothing, 0. */
 double ss_plan_load_factor(const ss_load *load, double time);
 
 /* Energy from nowhere, added up over about a tenth of a second: `pool` (J) after a step of `dt`

@@ -225,6 +225,22 @@ TEST(ramp_dissipates_and_literal_creates)
     assert_true(net > 0.3 * in);
 }
 
+/* alpha stays as long as a load acts; one of 0 N does not. */
+TEST(a_load_of_nothing_does_not_keep_alpha)
+{
+    int32_t node[1] = {PLANE + 1};
+    setup s;
+    setup_plane(&s, 0.02, 3.0, 3.0);
+    s.load[s.plan.load_count++] = (ss_load){.node = node, .node_count = 1, .to = (double)INFINITY};
+    create(&s);
+    steps(&s, 100, 0.1);
+    assert_near(s.model->ratio, 1.0, 1e-6);
+    middle_way[0][2] = 0.0; /* let go */
+    steps(&s, 1000, 0.1);
+    assert_near(s.model->ratio, 0.0, 1e-6);
+    setup_fini(&s);
+}
+
 TEST(leak_brings_back_the_exact_shape)
 {
     setup s;
