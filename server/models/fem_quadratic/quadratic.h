@@ -129,10 +129,11 @@ typedef struct ss_quadratic_stability {
     ss_real *rate;    /* [block][8]: omega_e^2 over `bound`, of the state at the last look */
     ss_real *strains; /* [block][8]: |2E|^2 of the last force, and at the last look */
     ss_real *seen;
-    ss_real *ratio; /* [block][8]: scratch */
-    int32_t *block; /* list: scratch */
-    double rate2;   /* of the state at the last look, from above */
-    double strain;  /* largest |2E| since stable_step was called last */
+    ss_real *ratio;       /* [block][8]: scratch */
+    int32_t *block;       /* list: scratch */
+    double rate2;         /* of the state at the last look, from above */
+    double certain_rate2; /* of its elements alone: a bound; 0 before the first look */
+    double strain;        /* largest |2E| since stable_step was called last */
     int32_t turn;
     int32_t squeezed, inverted, worst;
 } ss_quadratic_stability;

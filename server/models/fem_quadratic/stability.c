@@ -11,7 +11,8 @@
  * In motion omega_e^2 of each element, by a power iteration of its own thirty coordinates that
  * takes a step where the element's strain has changed and else in its turn; their largest, times
  * `slack`, stands for omega^2. At rest slack is the ratio of the two, so that nothing is lost
- * there; it is never so small that SS_QUADRATIC_STEP_SHARE of the step would exceed 2/omega_e.
+ * there; and SS_QUADRATIC_STEP_SHARE of the step never exceeds the one that the largest omega_e^2
+ * itself allows, with whatever viscosity.
  * Rejected: to go on with the body's power iteration. A few elements that a tool squeezes have next
  * to nothing of the mode at rest, and it was 200 steps before it saw them: the ellipsoid of 24,748
  * elements pressed by 12 mm diverged there, held by the limit of speeds alone.
@@ -180,14 +181,6 @@ static void set_diagonal(ss_quadratic *own, const ss_quadratic_raised *raised,
     }
 }
 
-/* With omega^2 taken for `slack` times a bound, SS_QUADRATIC_STEP_SHARE of its step is stable. A
- * step against viscosity is in proportion to 1/omega^2, others to 1/omega. */
-static double least_slack(const ss_quadratic *own)
-{
-    return own->viscous_time > 0.0 ? SS_QUADRATIC_STEP_SHARE
-                                   : SS_QUADRATIC_STEP_SHARE * SS_QUADRATIC_STEP_SHARE;
-}
-
 softsim_status ss_quadratic_create(const ss_quadratic_raised *raised,
                                    const ss_fem_material *material, double most, ss_arena *arena,
                                    ss_quadratic *out)
@@ -239,7 +232,7 @@ softsim_status ss_quadratic_create(const ss_quadratic_raised *raised,
     }
     iterate_elements_at_rest(out);
     ss_arena_free(&scratch);
-    s->slack = fmax(s->bound > 0.0 ? s->rest_rate2 / s->bound : 1.0, least_slack(out));
+    s->slack = s->bound > 0.0 ? s->rest_rate2 / s->bound : 1.0;
     s->rate2 = s->rest_rate2;
     return SOFTSIM_OK;
 }
@@ -338,9 +331,11 @@ double ss_quadratic_stable_step(void *owner, const ss_body *body)
         for (ptrdiff_t k = 0; k < (ptrdiff_t)own->blocks.count * SS_FEM_LANES; ++k) {
             largest = s->rate[k] > largest ? s->rate[k] : largest;
         }
-        s->rate2 = fmax(s->rest_rate2, s->slack * s->bound * (double)largest);
+        s->certain_rate2 = s->bound * (double)largest;
+        s->rate2 = fmax(s->rest_rate2, s->slack * s->certain_rate2);
     }
-    return step_limit(own, s->rate2);
+    return fmin(step_limit(own, s->rate2),
+                step_limit(own, s->certain_rate2) / SS_QUADRATIC_STEP_SHARE);
 }
 
 void ss_quadratic_judge(const ss_quadratic *own, ss_body *body)
@@ -361,6 +356,7 @@ void ss_quadratic_reset(void *owner)
     memset(s->seen, 0, values * sizeof *s->seen);
     memset(s->strains, 0, values * sizeof *s->strains);
     s->rate2 = s->rest_rate2;
+    s->certain_rate2 = 0.0;
     s->strain = 0.0;
     s->turn = 0;
     s->squeezed = s->inverted = 0;

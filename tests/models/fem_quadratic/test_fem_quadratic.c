@@ -414,6 +414,29 @@ TEST(the_step_is_stable_where_elements_are_squeezed_far_from_the_fastest)
     open_fini(&b);
 }
 
+/* Next to no viscosity takes next to nothing of the step. */
+TEST(the_step_is_continuous_where_viscosity_ends)
+{
+    double step[2];
+    for (int is_viscous = 0; is_viscous < 2; ++is_viscous) {
+        setup s;
+        random_state = 5;
+        setup_init(&s, "fem-quadratic", make_block(&small));
+        give(&s, "material", SS_TISSUE_NEO_HOOKEAN);
+        give(&s, "youngs_modulus_pa", 1e4);
+        give(&s, "poisson_ratio", 0.45);
+        if (is_viscous) {
+            give(&s, "viscosity_phi_pa_s", 1e-30);
+        }
+        memset(s.fixed, 7, (size_t)s.mesh->node_count / 2);
+        create(&s);
+        steps(&s, 40, 1e-3);
+        step[is_viscous] = info_of(&s).stable_step;
+        setup_fini(&s);
+    }
+    assert_near(step[1], step[0], 1e-9 * step[0]);
+}
+
 /* The mass that was added has no weight: supports carry the body's alone. */
 TEST(supports_carry_the_weight_of_the_body)
 {
