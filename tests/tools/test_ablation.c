@@ -111,6 +111,30 @@ TEST(a_pair_tells_results_that_differ)
     assert_true(figures.force_apart > 0.0); /* it was touched */
 }
 
+/* What changes the rate alone is the same at the same rate. */
+TEST(a_pair_is_stepped_at_one_rate)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_ablation_figures figures;
+    const ss_omission slower = {
+        .name = "slower", .value = {"simulation.rate_hz=500"}, .value_count = 1};
+    const char *scene = write_text("sheet.yaml", SCENE);
+    assert_int_equal(ss_ablation_measure(scene, &slower, &figures, &error), SOFTSIM_OK);
+    assert_true(figures.rate_hz[0] == 1000.0 && figures.rate_hz[1] == 500.0);
+    assert_true(figures.is_same_state);
+}
+
+TEST(a_pair_of_a_load_of_nothing_is_the_same)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_ablation_figures figures;
+    const ss_omission load = {
+        .name = "load", .value = {"loads=[{nodes: [40], force_n: [0, 0, 0]}]"}, .value_count = 1};
+    const char *scene = write_text("sheet.yaml", SCENE);
+    assert_int_equal(ss_ablation_measure(scene, &load, &figures, &error), SOFTSIM_OK);
+    assert_true(figures.is_same_state);
+}
+
 TEST(the_report_of_a_scene_has_equal_results_with_what_was_asked_for)
 {
     char out[128], scene[128];

@@ -85,6 +85,10 @@ static void measure_one(const char *scene, const ss_omission *omission, FILE *ou
     for (int32_t k = 0; k < omission->value_count; ++k) {
         fprintf(out, "%s%s", k > 0 ? " " : "", omission->value[k]);
     }
+    if (f.rate_hz[0] != f.rate_hz[1]) {
+        fprintf(out, " (both stepped at %.6g Hz; of itself the plan then takes %.6g Hz)",
+                f.rate_hz[0], f.rate_hz[1]);
+    }
     const double number[] = {f.rest_us[0],       f.rest_us[1],       f.press_us[0],  f.press_us[1],
                              f.bytes[0],         f.bytes[1],         f.create_ms[0], f.create_ms[1],
                              f.message_bytes[0], f.message_bytes[1], f.rest_least,   f.press_least,

@@ -3,6 +3,7 @@
 #include "bench/ablation/pair.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,14 +38,18 @@ bool ss_ablation_agrees(const ss_ablation_figures *figures)
 
 /* ---- set-up ---- */
 
-static softsim_world *create(const char *scene, const ss_omission *omission, double *out_ms,
-                             double *out_bytes, softsim_error *error)
+/* `rate`: of steps, a scene's value; NULL as the plan finds it. */
+static softsim_world *create(const char *scene, const ss_omission *omission, const char *rate,
+                             double *out_ms, double *out_bytes, softsim_error *error)
 {
-    const char *set[SS_OMISSION_VALUES];
+    const char *set[SS_OMISSION_VALUES + 1];
     softsim_config config = softsim_default_config();
     config.set = set;
     for (int32_t k = 0; omission != NULL && k < omission->value_count; ++k) {
         set[config.set_count++] = omission->value[k];
+    }
+    if (rate != NULL) {
+        set[config.set_count++] = rate;
     }
     const int64_t before = ss_memory_in_use(), begin_ns = ss_clock_thread_cpu_ns();
     softsim_world *world = softsim_create(scene, &config, error);
@@ -53,8 +58,8 @@ static softsim_world *create(const char *scene, const ss_omission *omission, dou
     return world;
 }
 
-static softsim_status create_both(const char *scene, const ss_omission *omission, side both[2],
-                                  ss_ablation_figures *out, softsim_error *error)
+static softsim_status create_all(const char *scene, const ss_omission *omission, const char *rate,
+                                 side both[2], ss_ablation_figures *out, softsim_error *error)
 {
     double create_ms[2];
     out->create_ms[0] = out->create_ms[1] = out->create_least = (double)INFINITY;
@@ -62,7 +67,7 @@ static softsim_status create_both(const char *scene, const ss_omission *omission
         const int w = k % 2;
         softsim_destroy(&both[w].world);
         both[w].world =
-            create(scene, w == 1 ? omission : NULL, &create_ms[w], &out->bytes[w], error);
+            create(scene, w == 1 ? omission : NULL, rate, &create_ms[w], &out->bytes[w], error);
         if (both[w].world == NULL) {
             return error->status;
         }
@@ -72,6 +77,21 @@ static softsim_status create_both(const char *scene, const ss_omission *omission
         }
     }
     return SOFTSIM_OK;
+}
+
+static softsim_status create_both(const char *scene, const ss_omission *omission, side both[2],
+                                  ss_ablation_figures *out, softsim_error *error)
+{
+    softsim_status status = create_all(scene, omission, NULL, both, out, error);
+    for (int w = 0; w < 2 && status == SOFTSIM_OK; ++w) {
+        out->rate_hz[w] = 1.0 / ss_world_of(both[w].world)->step_period;
+    }
+    if (status == SOFTSIM_OK && out->rate_hz[0] != out->rate_hz[1]) {
+        char rate[64];
+        (void)snprintf(rate, sizeof rate, "simulation.rate_hz=%.17g", out->rate_hz[0]);
+        status = create_all(scene, omission, rate, both, out, error);
+    }
+    return status;
 }
 
 /* Its messages go nowhere, and are counted. */

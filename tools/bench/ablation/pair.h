@@ -5,7 +5,9 @@
  * A scene as it is, and the same with one omission of its plan put back: what that costs, and
  * whether the results are the same. Both worlds are made in one process and take turns, so that a
  * machine that drifts drifts for both: 1.35 s of ticks at rest, then 0.5 s in which the first tool
- * goes in and out of the tissue, where the scene has one. Thread: main.
+ * goes in and out of the tissue, where the scene has one. Both are stepped at the rate of the scene
+ * as it is: a plan that finds a rate by costs may find another with more in it, and forces of two
+ * rates tell nothing of what was put back. Thread: main.
  */
 #include <stdbool.h>
 
@@ -19,7 +21,9 @@ typedef struct ss_ablation_figures {
     double create_ms[2];            /* thread CPU, the least of a few times */
     /* The least that a turn, or a creation, took over the one beside it: above 1, all took more. */
     double rest_least, press_least, create_least;
-    double message_bytes[2];         /* of surface and forces, a second of simulated time */
+    double message_bytes[2]; /* of surface and forces, a second of simulated time */
+    /* Both are stepped at [0]; [1] is what the plan takes with it put back, where costs choose. */
+    double rate_hz[2];
     bool is_same_state;              /* the state hash at the end */
     double force_apart, field_apart; /* shares of the largest force and displacement */
 } ss_ablation_figures;
