@@ -1,27 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
- * Shared edges and faces by sorting: tuples are put into buckets by their lowest node (one
- * counting pass) and each bucket, a handful of tuples on any real mesh, is sorted by itself. Linear
- * in practice, n log n on the worst input, the same result on every machine. A hash table was
- * rejected: its order, and on hostile input its time, depend on the hash.
+ * Shared edges and faces by sorting: a stable counting pass for each node of a tuple, from the
+ * highest to the lowest, which leaves equal tuples in the order of their elements. Linear on any
+ * input, the same result on every machine. A hash table was rejected: its order, and on hostile
+ * input its time, depend on the hash.
  */
 #include "mesh/topology.h"
 
 #include "rt/memory.h"
-#include "rt/order.h"
 #include "rt/vec.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- tuples ---- */
-
-static int compare_tuples(const void *left, const void *right)
-{
-    const ss_mesh_tuple *a = left, *b = right;
-    return ss_order_then(ss_order_ints(a->node, b->node, 4), ss_order_int(a->id, b->id));
-}
 
 static void sort_nodes(int32_t *node, int count)
 {
@@ -69,36 +61,36 @@ static void push(ss_mesh_tuples *out, const int32_t *element, const int8_t *corn
     ++out->count;
 }
 
-static bool sort_tuples(ss_mesh_tuples *tuples, int32_t node_count)
+/* Stable, by node `k`; start[n] is scratch of node_count + 1. */
+static void sort_by_node(const ss_mesh_tuple *from, int64_t count, int k, int32_t node_count,
+                         int64_t *start, ss_mesh_tuple *to)
 {
-    int64_t *start = ss_memory_get((size_t)node_count + 1, sizeof *start);
-    ss_mesh_tuple *sorted = ss_memory_get((size_t)tuples->count, sizeof *sorted);
-    if (start == NULL || sorted == NULL) {
-        ss_memory_free(start);
-        ss_memory_free(sorted);
-        return false;
-    }
-    for (int64_t i = 0; i < tuples->count; ++i) {
-        ++start[tuples->tuple[i].node[0] + 1];
+    memset(start, 0, ((size_t)node_count + 1) * sizeof *start);
+    for (int64_t i = 0; i < count; ++i) {
+        ++start[from[i].node[k] + 1];
     }
     for (int32_t n = 0; n < node_count; ++n) {
         start[n + 1] += start[n];
     }
-    for (int64_t i = 0; i < tuples->count; ++i) {
-        sorted[start[tuples->tuple[i].node[0]]++] = tuples->tuple[i];
+    for (int64_t i = 0; i < count; ++i) {
+        to[start[from[i].node[k]]++] = from[i];
     }
-    /* start[n] is now the end of bucket n. */
-    int64_t begin = 0;
-    for (int32_t n = 0; n < node_count; ++n) {
-        if (start[n] - begin > 1) {
-            qsort(sorted + begin, (size_t)(start[n] - begin), sizeof *sorted, compare_tuples);
-        }
-        begin = start[n];
+}
+
+static bool sort_tuples(ss_mesh_tuples *tuples, int corners, int32_t node_count)
+{
+    int64_t *start = ss_memory_get((size_t)node_count + 1, sizeof *start);
+    ss_mesh_tuple *other = ss_memory_get((size_t)tuples->count, sizeof *other);
+    const bool is_good = start != NULL && other != NULL;
+    for (int k = corners - 1; is_good && k >= 0; --k) {
+        sort_by_node(tuples->tuple, tuples->count, k, node_count, start, other);
+        ss_mesh_tuple *sorted = other;
+        other = tuples->tuple;
+        tuples->tuple = sorted;
     }
     ss_memory_free(start);
-    ss_memory_free(tuples->tuple);
-    tuples->tuple = sorted;
-    return true;
+    ss_memory_free(other);
+    return is_good;
 }
 
 /* Lists `pieces` tuples of `corners` nodes for every good element of `size` nodes. */
@@ -117,7 +109,7 @@ static bool list(const ss_mesh *mesh, const int32_t *element, int32_t element_co
             push(out, node, piece[p], corners, has_piece_ids ? e * pieces + p : e);
         }
     }
-    if (!sort_tuples(out, mesh->node_count)) {
+    if (!sort_tuples(out, corners, mesh->node_count)) {
         ss_mesh_tuples_fini(out);
         return false;
     }

@@ -50,6 +50,8 @@ enum { MAX_POWER_STEPS = 400 };
 #define RESIDUAL 0.003
 /* What is added for the part that the residual does not know, of omega^2. */
 #define MARGIN 0.01
+/* Of a power of a matrix whose trace was 1 before it was squared: next to one eigenvalue alone. */
+#define LONE_TRACE (1.0 - 1e-8)
 /* A change of the largest strain that is worth a power step. */
 #define STRAIN_CHANGE 0.05
 /* A bound that costs more than this of omega^2 is computed again element by element. */
@@ -79,7 +81,8 @@ static void strain_column(const double g[3], int i, double out[6])
 }
 
 /* tr(A^64)^(1/64): between the largest eigenvalue and 1.03 times it, for symmetric A >= 0. Powers
- * of A stay symmetric: half of each is computed. */
+ * of A stay symmetric: half of each is computed. They end where one eigenvalue is left: further
+ * ones would take next to nothing off. */
 static double largest_eigenvalue(double a[6][6])
 {
     double power = 1.0, log_scale = 0.0;
@@ -89,7 +92,7 @@ static double largest_eigenvalue(double a[6][6])
             return 0.0;
         }
         log_scale += log(trace) / power;
-        if (turn == 6) {
+        if (turn == 6 || (turn > 0 && trace > LONE_TRACE)) {
             return exp(log_scale);
         }
         power *= 2.0;
@@ -124,10 +127,16 @@ static double element_rate2(double lambda, double mu, double volume, const doubl
             for (int k = 0; k < 6; ++k) {
                 c[k] = shear * b[k] + (k < 3 ? bulk * (b[0] + b[1] + b[2]) : 0.0);
             }
-            for (int k = 0; k < 36; ++k) {
-                a[k / 6][k % 6] += volume / mass[n] * c[k / 6] * c[k % 6];
+            const double scale = volume / mass[n];
+            for (int k = 0; k < 6; ++k) {
+                for (int j = 0; j <= k; ++j) {
+                    a[k][j] += scale * c[k] * c[j];
+                }
             }
         }
+    }
+    for (int k = 0; k < 36; ++k) {
+        a[k / 6][k % 6] = k % 6 <= k / 6 ? a[k / 6][k % 6] : a[k % 6][k / 6];
     }
     return largest_eigenvalue(a);
 }
