@@ -113,7 +113,9 @@ int main(int argc, char **argv)
     ss_world *world = NULL;
     ss_program_drop_capabilities(true);
     ss_progress_begin("softsimd", "loading %s", options.scene_path);
+    ss_program_begin_setup();
     const softsim_status loaded = ss_world_create(&world_options, &world, &error);
+    ss_program_end_setup();
     ss_progress_end();
     if (loaded != SOFTSIM_OK) {
         ss_args_print_error(argv[0], &error);

@@ -5,14 +5,41 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/capability.h>
+#include <malloc.h>
 #include <poll.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+
+/* Bytes: the largest block, and all at the heap's end, that malloc is told to keep; by how much the
+ * heap grows at once, in set-up and as by default; what makes it grow. */
+enum { KEPT_BLOCK = 32 << 20, KEPT_END = 1 << 30 };
+enum { SETUP_GROWTH = 64 << 20, USUAL_GROWTH = 128 << 10, FIRST_BLOCK = 1 << 20, PAGE = 4096 };
+
+void ss_program_begin_setup(void)
+{
+    (void)mallopt(M_MMAP_THRESHOLD, KEPT_BLOCK);
+    (void)mallopt(M_TRIM_THRESHOLD, KEPT_END);
+    (void)mallopt(M_TOP_PAD, SETUP_GROWTH);
+    char *first = malloc(FIRST_BLOCK), *end = sbrk(0);
+    if (first != NULL && first < end) { /* else malloc has no heap; a refusal does not matter */
+        char *begin = first + (PAGE - (uintptr_t)first % PAGE) % PAGE;
+        (void)madvise(begin, (size_t)(end - begin), MADV_HUGEPAGE);
+    }
+    free(first);
+}
+
+void ss_program_end_setup(void)
+{
+    (void)mallopt(M_TOP_PAD, USUAL_GROWTH);
+    (void)malloc_trim(0);
+}
 
 void ss_program_begin(void)
 {
