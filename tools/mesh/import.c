@@ -388,6 +388,7 @@ int main(int argc, char **argv)
                       "binary form to stdout, for the other programs of softsim.\n");
         return ss_program_finish(argv[0], is_asked ? 0 : 2);
     }
+    ss_program_begin_setup(); /* assimp zeroes 32 MB for an OBJ of any size */
     /* At once: what is left of the scene, and assimp's own exit code, are of no use to anyone. */
     _exit(convert(argv[1]));
 }
