@@ -50,7 +50,7 @@ enum {
 #define JUMP 2.0
 /* Of the compliance at rest, what a round of iterations adds when it is the last: what was left was
  * 1.4 % on a block of 88,000 tetrahedra, 0.6 % and less on all others that were tried. A hand
- * notices 8. */
+ * just notices 7 % of a force. */
 #define REST_SHARE 5e-3
 /* s: of the inertia, and viscosity over stiffness at most. */
 #define INERTIA_TIME     0.05
