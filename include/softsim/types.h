@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * Types that every part of softsim shares: status codes, errors, a probe pose, a contact force
- * and the server's report. They mirror the LCM messages of `lcmtypes/` field by field, so that a
+ * Types that every part of softsim shares: status codes, errors, a probe pose and a contact
+ * force. They mirror the LCM messages of `lcmtypes/` field by field, so that a
  * value is decoded, checked and converted once and then carried unchanged from the socket to the
  * force that answers it.
  *

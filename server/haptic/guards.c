@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * What a tick refuses: poses and results that are not finite, and results that are not plausible.
- * The receive checks refuse such poses, and the watch such results, before they come here; this is
- * the last look before a force goes to a hand.
+ * The receive checks (net/gate.c) refuse such poses and the models such states (a model at fault
+ * keeps its last good one) before they come here; this is the last check before a force is sent.
  */
 #include "haptic/internal.h"
 #include "rt/vec.h"

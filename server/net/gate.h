@@ -12,7 +12,7 @@
 typedef struct ss_gate_config {
     uint8_t used_probes; /* bit n: probe n has a tool in the scene */
     double max_jump_m;
-    double period_s;  /* the haptic period: ownership lapses after 0.5 s of silence */
+    double period_s;  /* the haptic period: the watchdog is 50 of them */
     bool is_lockstep; /* pose age is not judged; time is simulated */
 } ss_gate_config;
 
@@ -29,8 +29,8 @@ void ss_gate_set_max_jump(ss_gate *gate, double max_jump_m);
 softsim_refusal ss_gate_judge(ss_gate *gate, const softsim_pose *pose, int32_t channel_probe,
                               int64_t now_ns, uint32_t *out_epoch);
 /* True at most ten times a second per probe (in lockstep always: there every pose is answered): a
- * foreign sender may be told so (zero force, flag 32). Never who uses the holder's number from
- * another address: the answer would reach the holder. Thread: net. */
+ * foreign sender may be told so (zero force, SOFTSIM_FORCE_OTHER_SENDER). Never who uses the
+ * holder's number from another address: the answer would reach the holder. Thread: net. */
 bool ss_gate_may_answer_other(ss_gate *gate, const softsim_pose *pose, int32_t channel_probe,
                               int64_t now_ns);
 /* Scales an orientation that passes for a unit quaternion to length 1; leaves any other for

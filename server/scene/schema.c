@@ -131,7 +131,7 @@ static const ss_scene_row object_row[] = {
         "layer of hybrid",
         .needs = "mesh", .example = "wall.msh"),
     ROW(FILE, "surface",
-        "finer surface of the same body, in the same units and place, that the nodes on sides of "
+        "finer surface of the same body, in the same units and place, that the mid-edge nodes of "
         "fem-quadratic follow",
         .needs = "mesh", .example = "skin.obj"),
     KEYS("transform", TABLE(transform_row),
@@ -199,8 +199,9 @@ static const ss_scene_row contact_row[] = {
 /* ---- simulation, haptic, publish ---- */
 
 static const ss_scene_row simulation_row[] = {
-    ROW(RATE, "rate_hz", "steps a second; auto: from counted work", .unit = "Hz", SS_FROM(1, 1e4),
-        FIELD(simulation_rate_hz)),
+    ROW(RATE, "rate_hz",
+        "steps a second; auto: from counted work, in real time also from steps timed at start",
+        .unit = "Hz", SS_FROM(1, 1e4), FIELD(simulation_rate_hz)),
     ROW(INTEGER, "max_substeps",
         "in real time, of a step of up to 4 ms, of longer ones more; where that is not enough: "
         "slower than real time, and flagged",

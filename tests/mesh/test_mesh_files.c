@@ -692,7 +692,7 @@ TEST(check_and_info_exit_as_promised)
         {"generate plane --out no/such/plane.obj", 1, "cannot write it"},
         {"generate --help", 0, "--size-mm X,Y,Z"},
         {"melt", 2, "'melt' is not one of"},
-        {"", 2, "not one of info, check, convert, tetrahedralize, scene, generate"},
+        {"", 2, "not one of info, check, convert, remesh, tetrahedralize, scene, generate;"},
         {"--help", 0, "usage: softsim-mesh"},
         {"--version", 0, "softsim-mesh " SOFTSIM_VERSION},
     };

@@ -39,6 +39,18 @@ static void print_usage(FILE *out)
     (void)fprintf(out, "  %-14s prints this\n  %-14s prints the version\n", "--help", "--version");
 }
 
+static void print_unknown(const char *name)
+{
+    char names[16 * COMMAND_COUNT] = "";
+    size_t at = 0;
+    for (int i = 0; i < COMMAND_COUNT; ++i) {
+        at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", i > 0 ? ", " : "",
+                               commands[i].name);
+    }
+    ss_plain_print(stderr, "softsim-mesh: '%s' is not one of %s; softsim-mesh --help says more\n",
+                   name, names);
+}
+
 static int run(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
@@ -53,11 +65,7 @@ static int run(int argc, char **argv)
             return commands[i].run(argc - 1, argv + 1);
         }
     }
-    ss_plain_print(
-        stderr,
-        "softsim-mesh: '%s' is not one of info, check, convert, tetrahedralize, scene, generate; "
-        "softsim-mesh --help says more\n",
-        name);
+    print_unknown(name);
     return 2;
 }
 

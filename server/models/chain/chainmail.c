@@ -499,8 +499,8 @@ static void explain(const ss_model *model, const ss_notes *out)
                         "instead");
     }
     ss_note_left_out(out, "forces, energies, reactions", NULL,
-                     "there are none in a chain; the felt force is the coupling's, working force "
-                     "over tool radius times the dent");
+                     "there are none in a chain; the hand feels a spring: working force / tool "
+                     "radius, times the dent");
 }
 
 static void write_case(FILE *file, const ss_model_class *model, const ss_hints_setting *setting)

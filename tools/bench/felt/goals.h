@@ -5,10 +5,10 @@
 #include "bench/felt/play.h"
 
 #define SS_FELT_REFERENCE_HZ 1000.0
-/* Just noticeable, as shares of the mean force. */
-#define SS_FELT_GOOD_P99    0.07
-#define SS_FELT_GOOD_HELD   0.02
-#define SS_FELT_GOOD_STATIC 0.03
+/* Shares of the mean force. */
+#define SS_FELT_GOOD_P99    0.07 /* just noticeable */
+#define SS_FELT_GOOD_HELD   0.02 /* of a held press, against 1000 Hz */
+#define SS_FELT_GOOD_STATIC 0.03 /* of a held press, against the static solution */
 enum { SS_FELT_GOALS = 9 };
 
 /* What one row was measured to be. */
