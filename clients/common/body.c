@@ -8,7 +8,7 @@
 
 enum { TOPOLOGY_FRAME = 1, DELTA_FRAME = 2, FIELD_FRAME = 3 };
 
-/* ---- what the server says ---- */
+/* ---- messages of the server ---- */
 
 void ss_body_free(ss_body_view *body)
 {
@@ -153,7 +153,7 @@ void ss_body_take_field(ss_body_view *body, const softsim_mesh_field *field)
     ++body->field_change;
 }
 
-/* ---- what a browser gets ---- */
+/* ---- messages to a browser ---- */
 
 typedef struct frame {
     uint8_t *start, *at;

@@ -48,7 +48,7 @@ typedef struct probe_state {
     bool has_pose;
     ss_indentation indentation;
     int64_t heard_ns, sample_ns;
-    sample open; /* of the sixtieth that is under way */
+    sample open; /* being filled: 16 ms */
     sample ring[SAMPLES];
     uint64_t count; /* of samples, ever */
 } probe_state;
@@ -114,7 +114,7 @@ struct ss_hub {
 
 /* ---- heard: hub thread ---- */
 
-static void change(ss_hub *hub)
+static void mark_changed(ss_hub *hub)
 {
     hub->is_changed = true;
 }
@@ -125,7 +125,7 @@ static void change(ss_hub *hub)
         ss_hub *hub = context;                                                                     \
         pthread_mutex_lock(&hub->lock);                                                            \
         (void)ss_body_take_##name(&hub->body, message);                                            \
-        change(hub);                                                                               \
+        mark_changed(hub);                                                                         \
         pthread_mutex_unlock(&hub->lock);                                                          \
     }
 TAKE(topology, softsim_topology_chunk)
@@ -157,7 +157,7 @@ static void take_sample(ss_hub *hub, probe_state *probe, int64_t now_ns)
         probe->sample_ns = now_ns;
         probe->ring[probe->count++ % SAMPLES] = *open;
         *open = (sample){0};
-        change(hub);
+        mark_changed(hub);
     }
     open->time_s = (float)(1e-9 * (double)(now_ns - hub->start_ns));
     open->force = force;
@@ -177,7 +177,7 @@ static void take_force(void *context, const softsim_force *force, int64_t receiv
         is_refused != hub->is_refused) {
         hub->is_refused = is_refused;
         ++hub->hand_version;
-        change(hub);
+        mark_changed(hub);
     }
     if (!is_refused) {
         probe->force = *force;
@@ -196,7 +196,7 @@ static void let_go(ss_hub *hub)
     hub->mouse_browser = 0;
     hub->is_refused = false;
     ++hub->hand_version;
-    change(hub);
+    mark_changed(hub);
 }
 
 /* In place of a text; NULL leaves the old one. */
@@ -226,7 +226,7 @@ static void take_status(void *context, const softsim_server_status *status, int6
         hub->is_silent = false;
         ++hub->silence_version;
     }
-    change(hub);
+    mark_changed(hub);
     pthread_mutex_unlock(&hub->lock);
 }
 
@@ -259,7 +259,7 @@ static void take_scene(void *context, const softsim_scene_report *scene)
     hub->mouse.max_jump_m = max_jump_of(scene);
     if (hub->scene == NULL || json == NULL || strcmp(hub->scene, json) != 0) {
         renew(&hub->scene, json, &hub->scene_version);
-        change(hub);
+        mark_changed(hub);
     } else {
         free(json);
     }
@@ -273,7 +273,7 @@ static void answer(ss_hub *hub, int64_t browser, int32_t code, const char *text)
     next->code = code;
     snprintf(next->text, sizeof next->text, "%s", text);
     ++hub->reply_count;
-    change(hub);
+    mark_changed(hub);
 }
 
 static void take_reply(void *context, int32_t id, int32_t code, const char *text)
@@ -349,7 +349,7 @@ static void look_for_devices(ss_hub *hub, int64_t now_ns)
     if (devices != hub->devices) {
         hub->devices = devices;
         ++hub->hand_version;
-        change(hub);
+        mark_changed(hub);
     }
 }
 
@@ -360,14 +360,14 @@ static int64_t look_around(ss_hub *hub, int64_t now_ns)
     pthread_mutex_lock(&hub->lock);
     if (hub->recording_version != ss_recorder_version(hub->recorder)) {
         hub->recording_version = ss_recorder_version(hub->recorder);
-        change(hub);
+        mark_changed(hub);
     }
     look_for_devices(hub, now_ns);
     const int64_t heard_ns = hub->status_ns != 0 ? hub->status_ns : hub->start_ns;
     if (!hub->is_silent && now_ns - heard_ns > SILENT_NS) {
         hub->is_silent = true;
         ++hub->silence_version;
-        change(hub);
+        mark_changed(hub);
     }
     const bool is_due = now_ns - hub->woken_ns >= (hub->is_changed ? FRAME_NS : HEARTBEAT_NS);
     int64_t next_ns = now_ns + (hub->mouse.is_held ? POSE_NS : IDLE_NS);
@@ -706,7 +706,7 @@ bool ss_hub_aim(ss_hub *hub, const ss_hub_view *view, int32_t probe, const ss_mo
         hub->mouse_browser = view->browser;
         hub->mouse_probe = probe;
         ++hub->hand_version;
-        change(hub);
+        mark_changed(hub);
     }
     pthread_mutex_unlock(&hub->lock);
     return is_taken;

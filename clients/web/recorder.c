@@ -104,7 +104,7 @@ void ss_recorder_take(ss_recorder *recorder, int64_t utime_us, const char *chann
     atomic_store_explicit(&recorder->head, at + need, memory_order_release);
 }
 
-/* ---- what is told ---- */
+/* ---- report ---- */
 
 static void tell(ss_recorder *recorder, bool is_recording, const char *fault)
 {

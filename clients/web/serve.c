@@ -62,7 +62,7 @@ struct browser {
     int64_t line_ns;
 };
 
-/* ---- who may ---- */
+/* ---- permission ---- */
 
 /* Takes as long for every guess. */
 static bool is_same(const char *a, const char *b)
@@ -291,7 +291,7 @@ static int serve_file(ss_serve *serve, struct lws *wsi, browser *b)
     return sent < 0 || (sent > 0 && lws_http_transaction_completed(wsi) != 0) ? -1 : 0;
 }
 
-/* ---- what a browser says ---- */
+/* ---- messages of a browser ---- */
 
 /* A number of `text` from *at on, which then stands behind it; false without one. */
 static bool read_number(char **at, double *out)
@@ -376,7 +376,7 @@ static int hear(ss_serve *serve, struct lws *wsi, browser *b, const char *data, 
     return is_within_rate(b) && obey(serve, b) ? 0 : -1;
 }
 
-/* ---- what a browser gets ---- */
+/* ---- messages to a browser ---- */
 
 /* One message; the next when this one has gone. A browser that does not read stays where it is. */
 static int tell(ss_serve *serve, struct lws *wsi, browser *b)

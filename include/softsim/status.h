@@ -32,7 +32,7 @@
     SCALAR(int32_t, active_nodes, "body", "@d active")                                             \
     SCALAR(int32_t, elements, "body", "@d elements")                                               \
     SCALAR(int32_t, worst_element, "body", "worst element @n")                                     \
-    SCALAR(int32_t, substeps, "simulation", "@d substeps")                                         \
+    SCALAR(int32_t, substeps, "simulation", "@d sub-steps")                                         \
     SCALAR(int32_t, probes, "up", "@d probes")           /* that have a tool */                    \
     SCALAR(int64_t, plan_hash, "", "")                                                             \
     SCALAR(int64_t, state_hash, "", "")                  /* in lockstep only */                    \
@@ -50,7 +50,7 @@
     SCALAR(double, simulation_rate_hz, "simulation", "@1 Hz") /* done, over the last second */     \
     /* that the plan chose; what a step took at start over what was counted, 0 not looked at */     \
     SCALAR(double, chosen_rate_hz, "simulation", "of @1 Hz")                                       \
-    SCALAR(double, yardstick, "simulation", "yardstick @2")                                        \
+    SCALAR(double, yardstick, "simulation", "cost ratio @2")                                        \
     SCALAR(double, stable_step_s, "simulation", "stable step @l")                                  \
     /* thread CPU time of a step; lateness of the haptic loop; both of the last 10 s */            \
     ARRAY(double, step_us, 3, "step time", "p50 @0  p99 @0  max @0 us")                            \

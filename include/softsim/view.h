@@ -60,7 +60,7 @@ typedef struct softsim_topology_chunk {
     int32_t node_count, triangle_count; /* of the whole */
     int32_t first_node, node_chunk, first_triangle, triangle_chunk;
     float scale;              /* m per count of a displacement */
-    const int32_t *file_node; /* -1: in no file, put on a side by the model */
+    const int32_t *file_node; /* -1: in no file, put on an edge by the model */
     const uint8_t *node_flag; /* bit 0: fixed */
     const float *rest;        /* m, 3 a node */
     const int32_t *triangle;  /* 3 a triangle, below node_count */

@@ -10,13 +10,13 @@
  * forces on nodes and tool, contact points with normals and depths.
  *
  * Method (Loop 1987 subdivision rows of the rest mesh as contact samples; one potential of node
- * positions and tool pose, no memory): a sample x_q = sum_i B_qi P_i carries rest area A_q and is
- * pushed out of the tool by its depth there, A_q kc D+ (harder where the tool is about to go
- * through: query.c; D is smooth where -d has ridges: shape.c); a weight sample x_s at the centroid
- * of a quarter of a triangle gives w_i = sum_s A_s b_si phi(d_s), phi = (1 - d/delta)+^2. Rejected:
- * nodes or facets as contact points, whose force ripples as the tool passes from one to the next;
- * libccd on facets, whose depth can be off by a third. Memory: everything is allocated by the
- * create functions; the rest is RT-safe.
+ * positions and tool pose, without history but for the anchors of friction): a sample x_q = sum_i
+ * B_qi P_i carries rest area A_q and is pushed out of the tool by its depth there, A_q kc D+
+ * (harder where the tool is about to go through: query.c; D is smooth where -d has ridges:
+ * shape.c); a weight sample x_s at the centroid of a quarter of a triangle gives w_i = sum_s A_s
+ * b_si phi(d_s), phi = (1 - d/delta)+^2. Rejected: nodes or facets as contact points, whose force
+ * ripples as the tool passes from one to the next; libccd on facets, whose depth can be off by a
+ * third. Memory: everything is allocated by the create functions; the rest is RT-safe.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -25,7 +25,7 @@
 #include "rt/real.h"
 #include "softsim/types.h"
 
-/* More contacts than this are merged with their nearest. */
+/* Room of a contact set; a query gives at most 4. */
 enum { SS_MAX_CONTACTS = 8 };
 
 /* ---- shapes ---- */
@@ -243,7 +243,7 @@ ss_contact_exit_result ss_contact_leave(const ss_contact_tissue *tissue, const s
                                         const double inward[3], ss_contact_exit *search,
                                         double out_way[3]);
 
-/* ---- what the haptic loop gets ---- */
+/* ---- results for the haptic loop ---- */
 
 /* One contact of the local contact model: force and stiffness at one pose, from which the haptic
  * loop computes forces between two results (haptic/local_contact.c). */
@@ -255,7 +255,7 @@ typedef struct ss_contact {
     double tangential;      /* k_t, N/m */
     double viscosity;       /* B, N s/m */
     double swift;           /* k of a motion within one step, which the touched tissue's inertia
-                               resists too, N/m; 0: not known */
+                               resists too, N/m; of models that solve for it, else 0 */
     double gap;             /* m, > 0: near but not touching */
     double friction[3];     /* N, on the tool, along the surface; not in `force` */
     double coefficient;     /* mu, 0: no friction */
@@ -281,7 +281,8 @@ typedef struct ss_contact_set {
     /* Of force and torque, what the contacts do not have: models whose samples are not all that
      * pushes the tool. 0 while held. */
     double other_force[3], other_torque[3];
-    /* N/m, that the tool meets in a step, before the tissue yields; 0: not told. */
+    /* N/m, of the whole set: the contact's own, tissue held still, where a model tells that in
+     * place of `swift`, in which the tissue near the tool gives way. 0: not told. */
     double step_stiffness;
     /* Of force and torque, the friction's: the contacts' own, over the same span as the force. */
     double friction[3], friction_torque[3];
@@ -305,12 +306,13 @@ static inline bool ss_contact_is_inside(const ss_contact_set *set)
 /* A result of the simulation as the haptic loop receives it: the contact set and what it was
  * computed for. One mailbox per probe, written after each step by the simulation thread. */
 typedef struct ss_simulation_result {
-    int64_t tick;     /* haptic tick of the proxy target that was stepped to */
-    int64_t step;     /* simulation step number, from 1 */
-    double period;    /* s, simulation period h */
-    int32_t pose_seq; /* seq of the pose behind it */
-    uint32_t starts;  /* resets and resumes before it */
-    bool is_fault;    /* the model is at fault: ramp to zero */
+    int64_t tick;           /* haptic tick of the proxy target that was stepped to */
+    int64_t step;           /* simulation step number, from 1 */
+    double period;          /* s, simulation period h */
+    int32_t pose_seq;       /* seq of the pose behind it */
+    uint32_t restart_count; /* resets and resumes before it; a model that has had more ignores the
+                               tool */
+    bool is_fault;          /* the model is at fault: ramp to zero */
     /* The target was inside the tissue: `proxy` is where the tool just touches, `outward` (unit)
      * the way there. The tool stays there until a target says that it was entered. */
     bool is_found_inside;
@@ -330,11 +332,11 @@ typedef struct ss_proxy_target {
     int32_t pose_seq;
     bool is_present; /* the tool is in the world */
     bool is_grasping;
-    uint32_t grasp_edges; /* counts presses and releases of the button */
-    uint32_t teleports;   /* grows when the proxy jumps (start, return): do not sweep */
-    uint32_t entries;     /* grows when it goes to where a tool that was found inside stands */
-    uint32_t starts;      /* resets and resumes before the proxy was placed: not in the model that
-                           * has had more */
+    uint32_t grasp_edges;   /* counts presses and releases of the button */
+    uint32_t teleports;     /* grows when the proxy jumps (start, return): do not sweep */
+    uint32_t entries;       /* grows when it goes to where a tool that was found inside stands */
+    uint32_t restart_count; /* resets and resumes before the proxy was placed: a model restarted
+                             * since then ignores the tool */
     double proxy[3];
     double orientation[4];
     double velocity[3];

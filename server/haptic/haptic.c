@@ -40,8 +40,8 @@ static double pose_interval(const ss_haptic *haptic, const softsim_pose *pose, i
 static void take_button(ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
 {
     const bool is_down = (pose->buttons & SOFTSIM_BUTTON_GRASP) != 0;
-    haptic->is_spent = haptic->is_spent && is_down;
-    const bool is_pressed = is_down && !haptic->is_spent;
+    haptic->is_button_ignored = haptic->is_button_ignored && is_down;
+    const bool is_pressed = is_down && !haptic->is_button_ignored;
     if (is_pressed != haptic->is_pressed) {
         ++haptic->grasp_edges;
         haptic->press_tick = tick;
@@ -114,17 +114,17 @@ static void place_proxy(ss_haptic *haptic)
     /* A hand grasps by a press: a tool that is placed in tissue would be drawn through it by what
      * it took on its way in. */
     haptic->grasp_edges += haptic->is_pressed;
-    haptic->is_spent = haptic->is_spent || haptic->is_pressed;
+    haptic->is_button_ignored = haptic->is_button_ignored || haptic->is_pressed;
     haptic->is_pressed = false;
     haptic->is_returning = false;
-    haptic->placed_starts = haptic->starts;
+    haptic->placed_restart_count = haptic->restart_count;
     ++haptic->teleports;
 }
 
 static void step_admission(ss_haptic *haptic, const ss_haptic_input *input, beginning begins)
 {
-    const bool is_reset = input->starts != haptic->starts;
-    haptic->starts = input->starts;
+    const bool is_reset = input->restart_count != haptic->restart_count;
+    haptic->restart_count = input->restart_count;
     const ss_admission_input admission_input = {
         .tick = input->tick,
         .period = haptic->config.period,
@@ -249,7 +249,8 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
     const ss_phase phase = haptic->admission.phase;
     /* The model may have heard of a reset before we do, or after. */
     if (phase != SS_PHASE_SILENT && phase != SS_PHASE_RAMPING && !input->is_paused &&
-        result->tick >= haptic->admission.placed && result->starts == haptic->starts) {
+        result->tick >= haptic->admission.placed &&
+        result->restart_count == haptic->restart_count) {
         use_result(haptic, result, input->tick);
     }
     return true;
@@ -487,6 +488,17 @@ static bool ramp_and_limit_slew(const ss_haptic *haptic, int64_t tick, const dou
     return ss_clamp_change3(out_sent, last, slew_step(haptic, tick));
 }
 
+/* What would have been sent of `whole`, a force without the damping. */
+static void send_undamped(ss_haptic *haptic, int64_t tick, const double whole[3],
+                          double out_sent[3])
+{
+    double within_limit[3];
+    ss_copy3(within_limit, whole);
+    ss_clamp_norm3(within_limit, haptic->slip.limit);
+    (void)ramp_and_limit_slew(haptic, tick, within_limit, haptic->last_undamped,
+                              &haptic->undamped_ramp_from, out_sent);
+}
+
 /* State that affects later forces but not the forces sent so far: the pose, and what the force
  * limit, an update, an ended grasp and an entry leave. */
 static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
@@ -508,7 +520,7 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
     const double number[] = {haptic->slip.stiffness_fraction, haptic->slip.length,
                              haptic->admission.held_back, haptic->ramp_from,
                              haptic->passivity.share};
-    const uint8_t button = haptic->is_spent ? 2 : haptic->is_pressed;
+    const uint8_t button = haptic->is_button_ignored ? 2 : haptic->is_pressed;
     const uint8_t flag[] = {haptic->slip.is_kept, haptic->slip.is_from_grasp, button,
                             haptic->is_returning};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
@@ -585,7 +597,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
     const beginning begins = take_poses(haptic, input, is_bad);
     if (haptic->has_pose) {
         const bool corrects = (haptic->pose.flags & SOFTSIM_POSE_CORRECTS) != 0;
-        double x[3], v[3], undamped[3], whole[3], sent[3], unscaled[3];
+        double x[3], v[3], whole[3], undamped_whole[3], sent[3], undamped_sent[3];
         ss_observer_tick(&haptic->observer, &haptic->config, corrects,
                          ss_local_contact_active_count(&haptic->local) > 0, tick);
         ss_passivity_step(&haptic->passivity, &haptic->observer, haptic->config.period,
@@ -603,19 +615,16 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         update_grasp(haptic, input, is_fresh, x);
         update_spring(haptic);
         update_limit(haptic, tick);
-        const bool is_limited = balance_proxy(haptic, tick, x, v, undamped, whole);
+        const bool is_limited = balance_proxy(haptic, tick, x, v, undamped_whole, whole);
         int32_t flags =
             ss_admission_flags(&haptic->admission) | (is_fresh ? 0 : SOFTSIM_FORCE_PREDICTED);
         const bool is_slow =
             ramp_and_limit_slew(haptic, tick, whole, haptic->last_force, &haptic->ramp_from, sent);
         flags |= is_limited || is_slow ? SOFTSIM_FORCE_LIMITED : 0;
-        ss_copy3(unscaled, undamped);
-        ss_clamp_norm3(undamped, haptic->slip.limit);
-        (void)ramp_and_limit_slew(haptic, tick, undamped, haptic->last_undamped,
-                                  &haptic->undamped_ramp_from, undamped);
+        send_undamped(haptic, tick, undamped_whole, undamped_sent);
         if (ss_is_finite(sent, 3) && ss_is_finite(haptic->p, 3)) {
-            ss_copy3(haptic->last_undamped, undamped);
-            ss_haptic_write_force(haptic, input, sent, unscaled, flags);
+            ss_copy3(haptic->last_undamped, undamped_sent);
+            ss_haptic_write_force(haptic, input, sent, undamped_whole, flags);
             ss_haptic_write_target(haptic, input, v);
             book_entry(haptic, x, sent);
             remember_force(haptic, tick);

@@ -45,8 +45,8 @@ typedef struct ss_haptic_input {
     const ss_simulation_result *result; /* newest result, NULL before the first */
     bool is_result_new;                 /* it arrived since the last tick */
     bool is_paused;
-    uint32_t starts;  /* resets and resumes so far: after each, enter again */
-    bool is_stopping; /* ramp to zero and stay */
+    uint32_t restart_count; /* resets and resumes so far: after each, enter again */
+    bool is_stopping;       /* ramp to zero and stay */
 } ss_haptic_input;
 
 typedef struct ss_haptic_output {
@@ -55,9 +55,7 @@ typedef struct ss_haptic_output {
     ss_proxy_target target;
     double worst_contact_j; /* least energy balance of a contact since start */
     double contact_j;       /* of the contact that is; 0 without one */
-    /* What no hand put into it in this tick: a tool found inside the tissue is let in while it may
-     * stand still. */
-    double let_in_j;
+    double let_in_j; /* that fading-in pressed into the tissue in the hand's stead, this tick */
     double energy_to_device_j, energy_from_device_j;
     double stiffness_limit;     /* N/m */
     int64_t stiffness_backoffs; /* that contacts which handed out energy took from it, so far */

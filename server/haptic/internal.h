@@ -16,6 +16,8 @@
  * observer.c      energy per contact, loop delay, stiffness limit
  * passivity.c     damping and less stiffness where a contact hands out energy
  * haptic.c        the tick
+ * guards.c        poses and results that a tick refuses
+ * state.h         a probe's state, of haptic.c and output.c
  * output.c        what it tells
  *
  * Symbols: x pose used, p proxy, p- proxy of the tick before, v hand velocity, T period,
@@ -490,5 +492,5 @@ void ss_admission_follow(ss_admission *admission, double period, const double po
 void ss_admission_pose(const ss_admission *admission, double x[3], double v[3]);
 /* 1 .. 0 while ramping, 0 when silent or waiting. */
 double ss_admission_gain(const ss_admission *admission);
-/* Flags 8, 16, 64. */
+/* SOFTSIM_FORCE_RAMPING, _STALE and _MODEL_FAULT. */
 int32_t ss_admission_flags(const ss_admission *admission);

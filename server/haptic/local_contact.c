@@ -334,8 +334,8 @@ double ss_local_contact_room(const ss_local_contact *local, const double p[3], d
         const ss_local_contact_point *c = &local->contact[i];
         double way[3];
         ss_sub3(way, p, local->proxy);
-        const double said = c->force - c->stiffness * ss_dot3(c->normal, way);
-        const double left = fmax(0.0, (limit - said) / c->stiffness);
+        const double law_force = c->force - c->stiffness * ss_dot3(c->normal, way);
+        const double left = fmax(0.0, (limit - law_force) / c->stiffness);
         ss_madd3(force, force, c->last_force, c->direction);
         if (left < room) {
             room = left;
@@ -495,7 +495,7 @@ void ss_local_contact_release(ss_local_contact *local, const double x[3], const 
         return;
     }
     ss_local_contact_released released = {.share = 1.0};
-    double said[3] = {0.0, 0.0, 0.0};
+    double law_force[3] = {0.0, 0.0, 0.0};
     ss_local_contact_felt(local, released.force);
     ss_local_contact_felt_torque(local, released.torque);
     (void)ss_clamp_norm3(released.force, limit);
@@ -507,10 +507,10 @@ void ss_local_contact_release(ss_local_contact *local, const double x[3], const 
         ss_local_contact_point *c = &local->contact[i];
         c->offset = 0.0;
         c->last_force = fmax(0.0, contact_force(local, c, x, p, pdot));
-        ss_madd3(said, said, c->last_force, c->direction);
+        ss_madd3(law_force, law_force, c->last_force, c->direction);
     }
     /* More than the limit would throw the proxy out. */
-    const double size = ss_norm3(said), share = size > limit ? limit / size : 1.0;
+    const double size = ss_norm3(law_force), share = size > limit ? limit / size : 1.0;
     for (int32_t i = 0; i < local->count; ++i) {
         ss_local_contact_point *c = &local->contact[i];
         c->offset = c->drift = (share - 1.0) * c->last_force;

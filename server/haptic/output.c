@@ -125,7 +125,7 @@ void ss_haptic_write_target(ss_haptic *haptic, const ss_haptic_input *input, con
     target->grasp_edges = haptic->grasp_edges;
     target->teleports = haptic->teleports;
     target->entries = haptic->entries;
-    target->starts = haptic->placed_starts;
+    target->restart_count = haptic->placed_restart_count;
     ss_copy3(target->proxy, haptic->p);
     memcpy(target->orientation, ss_haptic_held_pose(haptic)->orientation,
            sizeof target->orientation);

@@ -17,8 +17,8 @@ struct ss_haptic {
     softsim_pose left_pose;
     ss_motion motion;
     bool is_pressed;
-    bool is_spent; /* the button has been down since before the proxy was placed: it is pressed no
-                    * more, until it comes up */
+    bool is_button_ignored; /* the button has been down since before the proxy was placed: it is
+                             * pressed no more, until it comes up */
     int64_t press_tick;
     /* state: proxy and tissue */
     double p[3], pdot[3];
@@ -34,8 +34,8 @@ struct ss_haptic {
     int32_t bad_streak;
     int64_t bad_inputs;
     uint32_t grasp_edges, teleports, entries;
-    uint32_t starts;        /* resets and resumes so far, */
-    uint32_t placed_starts; /* and when the proxy was placed */
+    uint32_t restart_count;        /* resets and resumes so far, */
+    uint32_t placed_restart_count; /* and when the proxy was placed */
     double last_force[3];
     double shift[3];  /* m, from the hand to the pose used: what is not let in yet */
     double ramp_from; /* N, the force before a ramp */

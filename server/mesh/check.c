@@ -483,11 +483,11 @@ static void check_bent(const ss_mesh *mesh, ss_mesh_report *report)
     }
 }
 
-enum { AT_NONE = -1, AT_CORNER = -2 }; /* else the side that a node is the middle of */
+enum { AT_NONE = -1, AT_CORNER = -2 }; /* else the edge that a node is the middle of */
 
 /* `place`: of each node. */
-static void check_sides(const ss_mesh *mesh, const ss_mesh_tuples *sides, int32_t *place,
-                        ss_mesh_report *report)
+static void check_mid_edge_nodes(const ss_mesh *mesh, const ss_mesh_tuples *edges, int32_t *place,
+                                 ss_mesh_report *report)
 {
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         place[i] = AT_NONE;
@@ -498,23 +498,23 @@ static void check_sides(const ss_mesh *mesh, const ss_mesh_tuples *sides, int32_
             place[node] = AT_CORNER;
         }
     }
-    for (int64_t i = 0; i < sides->count;) {
-        const int64_t end = ss_mesh_run_end(sides, i);
+    for (int64_t i = 0; i < edges->count;) {
+        const int64_t end = ss_mesh_run_end(edges, i);
         bool is_parted = false;
         int32_t before = -1;
         for (int64_t k = i; k < end; ++k) {
-            const int32_t node = mesh->middle[sides->tuple[k].id / 6][sides->tuple[k].id % 6];
+            const int32_t node = mesh->middle[edges->tuple[k].id / 6][edges->tuple[k].id % 6];
             is_parted = is_parted || (k > i && node != before);
             if (node != before && indices_are_good(mesh, &node, 1)) {
-                if (place[node] != AT_NONE && place[node] != sides->tuple[i].id) {
+                if (place[node] != AT_NONE && place[node] != edges->tuple[i].id) {
                     ss_mesh_add_fault(&report->shared_middle, node);
                 }
-                place[node] = place[node] == AT_NONE ? sides->tuple[i].id : place[node];
+                place[node] = place[node] == AT_NONE ? edges->tuple[i].id : place[node];
             }
             before = node;
         }
         if (is_parted) {
-            ss_mesh_add_fault(&report->parted_side, sides->tuple[i].node[0]);
+            ss_mesh_add_fault(&report->parted_side, edges->tuple[i].node[0]);
         }
         i = end;
     }
@@ -522,21 +522,21 @@ static void check_sides(const ss_mesh *mesh, const ss_mesh_tuples *sides, int32_
 
 static bool check_second_order(const ss_mesh *mesh, ss_mesh_report *report)
 {
-    ss_mesh_tuples sides = {0};
+    ss_mesh_tuples edges = {0};
     int32_t *place = ss_memory_get((size_t)mesh->node_count, sizeof *place);
-    const bool is_done = place != NULL && ss_mesh_list_tetrahedron_edges(mesh, &sides);
+    const bool is_done = place != NULL && ss_mesh_list_tetrahedron_edges(mesh, &edges);
     if (is_done) {
-        check_sides(mesh, &sides, place, report);
+        check_mid_edge_nodes(mesh, &edges, place, report);
         if (report->parted_side.count == 0 && report->shared_middle.count == 0) {
             check_bent(mesh, report);
         }
     }
-    ss_mesh_tuples_fini(&sides);
+    ss_mesh_tuples_fini(&edges);
     ss_memory_free(place);
     return is_done;
 }
 
-/* Where a wrong node is in the middle of a side, the surface has holes and folds and the right one
+/* Where a wrong node is in the middle of an edge, the surface has holes and folds and the right one
  * has no element: one fault is told, not its consequences. */
 static void forget_consequences(ss_mesh_report *report)
 {

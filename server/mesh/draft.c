@@ -268,7 +268,7 @@ static bool add_cell(ss_draft *d, ss_mesh_kind kind, const int32_t *node)
     return true;
 }
 
-bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node, const int8_t *sides)
+bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node, const int8_t *edges)
 {
     if (kind == SS_MESH_TETRAHEDRON || kind == SS_MESH_TETRAHEDRON_2) {
         if (d->tetrahedron_count == d->tetrahedron_room ||
@@ -276,7 +276,7 @@ bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node, c
             return fault_changed(d);
         }
         for (int k = 0; k < 6 && d->middle != NULL; ++k) {
-            d->middle[d->tetrahedron_count][sides[k]] = node[4 + k];
+            d->middle[d->tetrahedron_count][edges[k]] = node[4 + k];
         }
         memcpy(d->tetrahedron[d->tetrahedron_count++], node, sizeof *d->tetrahedron);
     } else if (ss_mesh_cell_pieces(kind) > 0) {

@@ -84,9 +84,9 @@ bool ss_draft_makes_mesh(ss_mesh_kind kind);
 /* Room for what was found; a fault when nothing was that makes a mesh. `other` says what else was
  * (NULL: the kinds tell). */
 bool ss_draft_make_elements(ss_draft *d, const char *other);
-/* `sides`: of a tetrahedron of second order, the sides in the order of the format; NULL where it
+/* `edges`: of a tetrahedron of second order, its edges in the order of the format; NULL where it
  * has none. */
-bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node, const int8_t *sides);
+bool ss_draft_add_element(ss_draft *d, ss_mesh_kind kind, const int32_t *node, const int8_t *edges);
 
 /* The group of this key, made when it is not there yet (`name` NULL: named later); -1 is a fault.
  */

@@ -105,7 +105,7 @@ static bool measure_parts(filler *f)
     return true;
 }
 
-bool ss_mend_drop_slivers(ss_mend *m)
+bool ss_mend_drop_small_parts(ss_mend *m)
 {
     filler *f = ss_memory_get(1, sizeof *f);
     if (f == NULL) {
@@ -204,8 +204,8 @@ static bool collect(filler *f, int32_t first)
     return at == first && f->count >= 3 && f->count <= MAX_LOOP;
 }
 
-/* Does a triangle run from a to b? */
-static bool runs(const filler *f, int32_t a, int32_t b)
+/* Has a triangle the directed edge from a to b? */
+static bool has_directed_edge(const filler *f, int32_t a, int32_t b)
 {
     for (int32_t i = f->start[a]; i < f->start[a + 1]; ++i) {
         const int32_t *node = f->view.triangle[f->around[i]];
@@ -218,7 +218,7 @@ static bool runs(const filler *f, int32_t a, int32_t b)
     return false;
 }
 
-/* The triangle of the surface that has all three; -1: none. */
+/* Does a triangle of the surface have all three already? */
 static bool has_triangle(const filler *f, int32_t a, int32_t b, int32_t c)
 {
     for (int32_t i = f->start[a]; i < f->start[a + 1]; ++i) {
@@ -235,10 +235,10 @@ static bool has_triangle(const filler *f, int32_t a, int32_t b, int32_t c)
     return false;
 }
 
-/* Against the triangles beside it. */
+/* Reverses the loop where it runs as the triangles beside it do. */
 static void turn_loop(filler *f)
 {
-    if (runs(f, f->loop[0], f->loop[1])) {
+    if (has_directed_edge(f, f->loop[0], f->loop[1])) {
         for (int i = 0; i < f->count / 2; ++i) {
             const int32_t swapped = f->loop[i];
             f->loop[i] = f->loop[f->count - 1 - i];
@@ -310,9 +310,9 @@ static bool triangulate(filler *f)
             f->cost[i][k] = INFINITY;
             for (int j = i + 1; j < k; ++j) {
                 const double below = f->cost[i][j] + f->cost[j][k];
-                const double left =
+                const double budget =
                     f->cost[i][k] - below; /* not a number where both are infinite */
-                const double cost = left > 0.0 ? below + cost_of(f, i, j, k, left) : INFINITY;
+                const double cost = budget > 0.0 ? below + cost_of(f, i, j, k, budget) : INFINITY;
                 if (cost < f->cost[i][k]) {
                     f->cost[i][k] = cost;
                     f->apex[i][k] = (int16_t)j;
@@ -409,6 +409,7 @@ static bool may_be_small(const filler *f)
     }
     ss_sub3(across, box.high, box.low);
     ss_sub3(diagonal, p->box.high, p->box.low);
+    /* Half the vector is the least area of a surface across the loop; less, for rounding. */
     return f->count <= FEW_EDGES || (0.49 * ss_norm3(vector) <= small_area * p->area &&
                                      ss_norm3(across) <= small_width * ss_norm3(diagonal));
 }

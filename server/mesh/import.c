@@ -160,7 +160,7 @@ static int start_program(const char *program, const char *path, pid_t *out_pid, 
     return 0;
 }
 
-/* ---- what it writes ---- */
+/* ---- the importer's answer ---- */
 
 static bool grow(buffer *b)
 {

@@ -53,6 +53,6 @@ bool ss_mend_stitch(ss_mend *m);
 /* sheets.c: parts the surface at edges of more than two triangles and at pinched nodes; makes the
  * winding of each sheet one. */
 bool ss_mend_part_sheets(ss_mend *m);
-/* holes.c: fills small holes; drops parts that are slivers. */
+/* holes.c: fills small holes; drops parts that enclose no volume or are too small. */
 bool ss_mend_fill_holes(ss_mend *m);
-bool ss_mend_drop_slivers(ss_mend *m);
+bool ss_mend_drop_small_parts(ss_mend *m);

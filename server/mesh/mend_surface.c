@@ -93,7 +93,7 @@ static bool go_round(ss_mend *m)
     for (int round = 0; round < MAX_ROUNDS && before != sum_repairs(m->done); ++round) {
         before = sum_repairs(m->done);
         if (!measure_mean_edge(m) || !ss_mend_stitch(m) || !ss_mend_part_sheets(m) ||
-            !ss_mend_drop_slivers(m) || !ss_mend_fill_holes(m)) {
+            !ss_mend_drop_small_parts(m) || !ss_mend_fill_holes(m)) {
             return false;
         }
     }

@@ -31,7 +31,7 @@ typedef struct ss_mesh_group {
 typedef enum ss_mesh_kind {
     SS_MESH_POINT,
     SS_MESH_LINE,
-    SS_MESH_LINE_2, /* _2: of second order, with a node in the middle of each side */
+    SS_MESH_LINE_2, /* _2: of second order, with a node in the middle of each edge */
     SS_MESH_TRIANGLE,
     SS_MESH_QUAD,
     SS_MESH_TETRAHEDRON,
@@ -55,7 +55,7 @@ typedef struct ss_mesh {
     double (*position)[3];  /* m, world frame, node_count */
     int32_t (*triangle)[3]; /* node numbers, counter-clockwise from outside */
     int32_t (*tetrahedron)[4];
-    /* Second order: the nodes in the middle of each tetrahedron's sides 01 02 03 12 13 23; NULL in
+    /* Second order: the mid-edge nodes of each tetrahedron, edges 01 02 03 12 13 23; NULL in
      * a mesh of first order. Its triangles are then the quarters of faces: 4f to 4f + 2 those at
      * the corners of face f, which are their first nodes, 4f + 3 the one between the middles of its
      * sides 01 12 20. */
@@ -124,7 +124,7 @@ softsim_status ss_mesh_create(int32_t node_count, const double (*position)[3],
                               int32_t tetrahedron_count, const int32_t (*tetrahedron)[4],
                               ss_mesh **out_mesh, softsim_error *error);
 /* The same of second order: of each tetrahedron the corners, then the nodes in the middle of
- * its sides, in the order of `middle`. */
+ * its edges, in the order of `middle`. */
 softsim_status ss_mesh_create_second_order(int32_t node_count, const double (*position)[3],
                                            int32_t tetrahedron_count,
                                            const int32_t (*tetrahedron)[10], ss_mesh **out_mesh,
@@ -199,9 +199,9 @@ typedef struct ss_mesh_report {
     /* Of a volume, whose surface touches itself there; no fault: ss_mesh_pair_sides. */
     ss_mesh_fault pinched_edge, pinched_node;
     ss_mesh_fault duplicate_tetrahedron, crowded_face; /* a face of more than two tetrahedra */
-    /* Of second order: sides whose tetrahedra have different middle nodes; nodes in the middle of
-     * two sides, or at a corner too; tetrahedra of a volume that their middle nodes turn inside out
-     * at a Gauss point. */
+    /* Of second order: edges whose tetrahedra have different mid-edge nodes; nodes in the middle of
+     * two edges, or at a corner too; tetrahedra of a volume that their mid-edge nodes turn inside
+     * out at a Gauss point. */
     ss_mesh_fault parted_side, shared_middle, bent_tetrahedron;
     ss_mesh_fault mixed_direction; /* sides along u of one quad and w of the other; no fault */
     int32_t component_count;       /* connected parts, loose nodes not counted */
@@ -278,7 +278,7 @@ typedef struct ss_mesh_repairs {
     ss_mesh_fault welded_node;      /* onto the lowest node within 1e-6 of the mean edge, at open
                                        edges 1e-3 of it; and the ends of edges shorter than that */
     ss_mesh_fault flat_element;     /* dropped: no area or volume, or a node twice */
-    ss_mesh_fault twin_element;     /* dropped: there already */
+    ss_mesh_fault twin_element;     /* dropped: duplicates */
     ss_mesh_fault divided_triangle; /* at a node on its edge */
     ss_mesh_fault flap_triangle;    /* dropped: of walls within a body, and of flaps outside */
     ss_mesh_fault parted_edge;      /* of more than two triangles: into sheets, by angle */
@@ -318,11 +318,11 @@ typedef struct ss_mesh_remeshing {
 softsim_status ss_mesh_remesh(const ss_mesh *mesh, double edge, double feature_deg,
                               ss_mesh **out_mesh, ss_mesh_remeshing *out, softsim_error *error);
 
-/* A volume with nodes in the straight middle of its sides, which is of second order then: numbered
- * after its own, by the lower node of each side, then the higher. In a group are those whose side's
- * ends are, where the side lies on the surface or in a tetrahedron of the group. */
+/* A volume with nodes in the straight middle of its edges, which is of second order then: numbered
+ * after its own, by the lower node of each edge, then the higher. In a group are those whose edge's
+ * ends are, where the edge lies on the surface or in a tetrahedron of the group. */
 softsim_status ss_mesh_raise(const ss_mesh *mesh, ss_mesh **out_mesh, softsim_error *error);
-/* A volume of second order without the nodes in the middle of sides; numbers close up. Its nodes
+/* A volume of second order without its mid-edge nodes; numbers close up. Its nodes
  * must exist, as those of readers do. */
 softsim_status ss_mesh_lower(const ss_mesh *mesh, ss_mesh **out_mesh, softsim_error *error);
 

@@ -239,7 +239,7 @@ static bool keep_element(ss_msh *r, ss_mesh_kind kind, int64_t physical, const i
             return false;
         }
     }
-    return ss_draft_add_element(r->draft, kind, node, ss_mesh_sides_of_gmsh);
+    return ss_draft_add_element(r->draft, kind, node, ss_mesh_edges_of_gmsh);
 }
 
 static bool read_element(ss_msh *r, int64_t index, int64_t count)

@@ -299,7 +299,7 @@ static bool keep_element(ss_msh *r, const ss_msh_entity *entity, ss_mesh_kind ki
             }
         }
     }
-    return ss_draft_add_element(r->draft, kind, node, ss_mesh_sides_of_gmsh);
+    return ss_draft_add_element(r->draft, kind, node, ss_mesh_edges_of_gmsh);
 }
 
 static bool read_element(ss_msh *r, int64_t index, int64_t type, const ss_msh_entity *entity)

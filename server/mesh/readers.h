@@ -43,7 +43,7 @@ int ss_mesh_open_file(const char *path, int64_t *out_size, softsim_status *out_s
 /* ".node" of "folder/box.node", "" of what has none; a pointer into `path`. */
 const char *ss_mesh_extension(const char *path);
 
-/* ---- what tests and fuzzers call ---- */
+/* ---- entry points of tests and fuzzers ---- */
 
 /* Gmsh MSH, ASCII: versions 1, 2.0 to 2.2 and 4.1. */
 ss_mesh_parser ss_mesh_parse_msh;

@@ -94,7 +94,7 @@ bool ss_remesher_make_room(ss_remesher *r)
     return true;
 }
 
-/* ---- who borders on whom ---- */
+/* ---- neighbours ---- */
 
 void ss_remesher_join(ss_remesher *r, int32_t a, int32_t b)
 {

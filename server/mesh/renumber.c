@@ -164,7 +164,7 @@ static void sort_halves(ss_mesh *mesh, const int32_t *new_number, const place *o
     }
 }
 
-/* The nodes in the middle of sides follow their tetrahedra. */
+/* Mid-edge nodes follow their tetrahedra. */
 static void sort_middles(ss_mesh *mesh, const int32_t *new_number, const place *order,
                          int32_t *scratch)
 {

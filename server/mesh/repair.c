@@ -3,7 +3,7 @@
 /*
  * Mending. Volumes and surfaces of quads, in this order: elements of nodes that do not exist or are
  * not finite go; nodes on top of others, and the ends of edges too short for any model, are welded;
- * elements that are then flat or there already go; inverted tetrahedra are turned; nodes without an
+ * elements that are then flat or duplicate go; inverted tetrahedra are turned; nodes without an
  * element go; surfaces are wound outwards (orient.c). Tolerances are those of ss_mesh_check. A
  * tetrahedron that is then on the same side of a face as its neighbour overlaps it: a node was
  * moved through others, which no order of nodes mends.

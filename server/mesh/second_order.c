@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "mesh/second_order.h"
 /*
- * A mesh of first order gets nodes in the straight middle of its sides, one of second order loses
- * them. A new node is in a group where both ends of its side are, and the side lies on the surface
+ * A mesh of first order gets nodes in the straight middle of its edges, one of second order loses
+ * them. A new node is in a group where both ends of its edge are, and the edge lies on the surface
  * or a whole tetrahedron around it is in the group: what fem-quadratic does with sets of nodes.
  */
 #include <string.h>
@@ -13,22 +13,22 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-const int8_t ss_mesh_side_ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+const int8_t ss_mesh_edge_ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-const int8_t ss_mesh_sides_of_gmsh[6] = {0, 3, 1, 2, 5, 4};
-const int8_t ss_mesh_sides_of_vtk[6] = {0, 3, 1, 2, 4, 5};
-const int8_t ss_mesh_sides_of_tetgen[6] = {5, 2, 0, 3, 4, 1};
+const int8_t ss_mesh_edges_of_gmsh[6] = {0, 3, 1, 2, 5, 4};
+const int8_t ss_mesh_edges_of_vtk[6] = {0, 3, 1, 2, 4, 5};
+const int8_t ss_mesh_edges_of_tetgen[6] = {5, 2, 0, 3, 4, 1};
 
-int ss_mesh_find_side(const ss_mesh *mesh, int32_t e, int32_t a, int32_t b)
+int ss_mesh_find_edge(const ss_mesh *mesh, int32_t e, int32_t a, int32_t b)
 {
     const int32_t *corner = mesh->tetrahedron[e];
-    int side = 0;
+    int edge = 0;
     for (int s = 0; s < 6; ++s) {
-        const int32_t first = corner[ss_mesh_side_ends[s][0]];
-        const int32_t last = corner[ss_mesh_side_ends[s][1]];
-        side = (first == a && last == b) || (first == b && last == a) ? s : side;
+        const int32_t first = corner[ss_mesh_edge_ends[s][0]];
+        const int32_t last = corner[ss_mesh_edge_ends[s][1]];
+        edge = (first == a && last == b) || (first == b && last == a) ? s : edge;
     }
-    return side;
+    return edge;
 }
 
 /* ---- groups ---- */
@@ -87,7 +87,7 @@ static softsim_status fail(ss_mesh **mesh, softsim_error *error)
 
 typedef struct raiser {
     const ss_mesh *mesh;
-    int32_t count; /* of sides */
+    int32_t count; /* of edges */
     int32_t (*end)[2];
     bool *is_surface;
     int32_t (*ten)[10];
@@ -99,11 +99,11 @@ static void raiser_fini(raiser *r)
     SS_EACH(ss_memory_free, r->end, r->is_surface, r->ten, r->position);
 }
 
-/* Numbers the sides by their nodes, lower first. */
-static bool raiser_init(raiser *r, const ss_mesh_tuples *sides)
+/* Numbers the edges by their nodes, lower first. */
+static bool raiser_init(raiser *r, const ss_mesh_tuples *edges)
 {
     const ss_mesh *mesh = r->mesh;
-    for (int64_t i = 0; i < sides->count; i = ss_mesh_run_end(sides, i)) {
+    for (int64_t i = 0; i < edges->count; i = ss_mesh_run_end(edges, i)) {
         ++r->count;
     }
     r->end = ss_memory_get((size_t)r->count, sizeof *r->end);
@@ -118,14 +118,14 @@ static bool raiser_init(raiser *r, const ss_mesh_tuples *sides)
         memcpy(r->ten[e], mesh->tetrahedron[e], sizeof *mesh->tetrahedron);
     }
     int32_t k = 0;
-    for (int64_t i = 0; i < sides->count; ++k) {
-        const int64_t last = ss_mesh_run_end(sides, i);
+    for (int64_t i = 0; i < edges->count; ++k) {
+        const int64_t last = ss_mesh_run_end(edges, i);
         double *x = r->position[mesh->node_count + k];
-        memcpy(r->end[k], sides->tuple[i].node, sizeof *r->end);
+        memcpy(r->end[k], edges->tuple[i].node, sizeof *r->end);
         ss_add3(x, mesh->position[r->end[k][0]], mesh->position[r->end[k][1]]);
         ss_scale3(x, x, 0.5);
         for (; i < last; ++i) {
-            r->ten[sides->tuple[i].id / 6][4 + sides->tuple[i].id % 6] = mesh->node_count + k;
+            r->ten[edges->tuple[i].id / 6][4 + edges->tuple[i].id % 6] = mesh->node_count + k;
         }
     }
     return true;
@@ -152,7 +152,7 @@ static bool mark_surface(raiser *r)
     return true;
 }
 
-static int32_t add_sides(const void *owner, const uint8_t *is_in, int32_t *out_node)
+static int32_t add_mid_edge_nodes(const void *owner, const uint8_t *is_in, int32_t *out_node)
 {
     const raiser *r = owner;
     int32_t count = 0;
@@ -177,7 +177,7 @@ softsim_status ss_mesh_raise(const ss_mesh *mesh, ss_mesh **out_mesh, softsim_er
 {
     *out_mesh = NULL;
     raiser r = {.mesh = mesh};
-    ss_mesh_tuples sides = {0};
+    ss_mesh_tuples edges = {0};
     if (mesh->tetrahedron_count == 0 || mesh->middle != NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_MESH, "%s",
                           mesh->middle != NULL
@@ -186,17 +186,17 @@ softsim_status ss_mesh_raise(const ss_mesh *mesh, ss_mesh **out_mesh, softsim_er
         return SOFTSIM_ERROR_MESH;
     }
     int32_t *number = ss_memory_get((size_t)mesh->node_count, sizeof *number);
-    bool is_good = number != NULL && ss_mesh_list_tetrahedron_edges(mesh, &sides);
-    if (is_good && sides.count != 6 * (int64_t)mesh->tetrahedron_count) {
+    bool is_good = number != NULL && ss_mesh_list_tetrahedron_edges(mesh, &edges);
+    if (is_good && edges.count != 6 * (int64_t)mesh->tetrahedron_count) {
         softsim_error_add(error, SOFTSIM_ERROR_MESH, "%s",
                           "it has tetrahedra of nodes that do not exist, or with a node twice: "
                           "mend it first (softsim-mesh convert --repair)");
-        ss_mesh_tuples_fini(&sides);
+        ss_mesh_tuples_fini(&edges);
         ss_memory_free(number);
         return SOFTSIM_ERROR_MESH;
     }
-    is_good = is_good && raiser_init(&r, &sides) && mark_surface(&r);
-    ss_mesh_tuples_fini(&sides);
+    is_good = is_good && raiser_init(&r, &edges) && mark_surface(&r);
+    ss_mesh_tuples_fini(&edges);
     softsim_status status = SOFTSIM_ERROR_MEMORY;
     for (int32_t i = 0; is_good && i < mesh->node_count; ++i) {
         number[i] = i;
@@ -207,7 +207,7 @@ softsim_status ss_mesh_raise(const ss_mesh *mesh, ss_mesh **out_mesh, softsim_er
             (const int32_t(*)[10])r.ten, out_mesh, error);
     }
     if (!is_good ||
-        (status == SOFTSIM_OK && !copy_groups(mesh, number, *out_mesh, add_sides, &r))) {
+        (status == SOFTSIM_OK && !copy_groups(mesh, number, *out_mesh, add_mid_edge_nodes, &r))) {
         status = fail(out_mesh, error);
     }
     raiser_fini(&r);

@@ -7,13 +7,13 @@
  */
 #include "mesh/mesh.h"
 
-extern const int8_t ss_mesh_side_ends[6][2];
+extern const int8_t ss_mesh_edge_ends[6][2];
 
-/* The sides in the order of a format. Gmsh's manual, "Node ordering", Tetrahedron10; VTK's
+/* The edges in the order of a format. Gmsh's manual, "Node ordering", Tetrahedron10; VTK's
  * vtkQuadraticTetra; tetgen -o2, whose manual is silent: as version 1.5.0 writes straight ones. */
-extern const int8_t ss_mesh_sides_of_gmsh[6];
-extern const int8_t ss_mesh_sides_of_vtk[6];
-extern const int8_t ss_mesh_sides_of_tetgen[6];
+extern const int8_t ss_mesh_edges_of_gmsh[6];
+extern const int8_t ss_mesh_edges_of_vtk[6];
+extern const int8_t ss_mesh_edges_of_tetgen[6];
 
-/* The side of tetrahedron e between nodes a and b, which it has. */
-int ss_mesh_find_side(const ss_mesh *mesh, int32_t e, int32_t a, int32_t b);
+/* The edge of tetrahedron e between nodes a and b, which it has. */
+int ss_mesh_find_edge(const ss_mesh *mesh, int32_t e, int32_t a, int32_t b);

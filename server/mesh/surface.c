@@ -145,7 +145,7 @@ static void put_quarters(const ss_mesh *mesh, int32_t e, const int32_t node[3], 
 {
     for (int k = 0; k < 3; ++k) {
         out[k][0] = node[k];
-        out[3][k] = mesh->middle[e][ss_mesh_find_side(mesh, e, node[k], node[(k + 1) % 3])];
+        out[3][k] = mesh->middle[e][ss_mesh_find_edge(mesh, e, node[k], node[(k + 1) % 3])];
     }
     for (int k = 0; k < 3; ++k) {
         out[k][1] = out[3][k];

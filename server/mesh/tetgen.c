@@ -233,7 +233,7 @@ static bool read_element(reader *r, int64_t index, const int64_t *head)
     set_region(r, index, region);
     return ss_draft_add_element(r->draft,
                                 head[1] == 10 ? SS_MESH_TETRAHEDRON_2 : SS_MESH_TETRAHEDRON, node,
-                                ss_mesh_sides_of_tetgen);
+                                ss_mesh_edges_of_tetgen);
 }
 
 static bool read_elements(reader *r)

@@ -8,7 +8,7 @@
  * grad N2, grad N3; grad N0 is minus their sum. A field with nodal values u then has the gradient
  * H = sum_a u_a (grad N_a)^T. Double precision. Thread: any, RT-safe.
  *
- * And that of ten nodes, with corners 0 to 3, then one in the middle of each side 01 02 03 12 13
+ * And that of ten nodes, with corners 0 to 3, then one in the middle of each edge 01 02 03 12 13
  * 23, which need not be straight: its map at the four Gauss points of degree 2.
  */
 #include <stdint.h>

@@ -452,7 +452,7 @@ static bool read_cell(reader *r, const ss_vtk_section *section, int64_t cell, in
         swap_nodes(&node[2], &node[3]);
         swap_nodes(&node[6], &node[7]);
     }
-    return is_good ? ss_draft_add_element(r->draft, kind, node, ss_mesh_sides_of_vtk)
+    return is_good ? ss_draft_add_element(r->draft, kind, node, ss_mesh_edges_of_vtk)
                    : r->text->fault_count < SS_TEXT_MAX_FAULTS;
 }
 

@@ -229,7 +229,7 @@ static void write_msh_tetrahedra(FILE *file, const ss_mesh *mesh, int64_t *inout
     for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
         (void)fprintf(file, "%lld %d 2 0 1", (long long)(*inout_element)++, is_second ? 11 : 4);
         for (int i = 0; i < (is_second ? 10 : 4); ++i) {
-            (void)fprintf(file, " %d", node_of(mesh, e, i, ss_mesh_sides_of_gmsh) + 1);
+            (void)fprintf(file, " %d", node_of(mesh, e, i, ss_mesh_edges_of_gmsh) + 1);
         }
         (void)fputc('\n', file);
     }
@@ -353,7 +353,7 @@ static void write_vtk_tetrahedra(FILE *file, const ss_mesh *mesh)
     for (int32_t e = 0; e < mesh->tetrahedron_count; ++e) {
         (void)fprintf(file, "%d", nodes);
         for (int i = 0; i < nodes; ++i) {
-            (void)fprintf(file, " %d", node_of(mesh, e, i, ss_mesh_sides_of_vtk));
+            (void)fprintf(file, " %d", node_of(mesh, e, i, ss_mesh_edges_of_vtk));
         }
         (void)fputc('\n', file);
     }

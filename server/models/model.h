@@ -37,7 +37,7 @@ typedef struct ss_tool_plan {
 /* Everything it points to is borrowed and outlives the model, but `param`. */
 typedef struct ss_model_plan {
     const ss_mesh *mesh;
-    const ss_mesh *surface;      /* a finer one of the same body, for curved sides; NULL: none */
+    const ss_mesh *surface;      /* a finer one of the same body, for curved edges; NULL: none */
     const uint8_t *fixed;        /* node_count: bit 0 x, 1 y, 2 z */
     const ss_param_value *param; /* in the order of the model's table */
     const ss_load *load;
@@ -137,7 +137,7 @@ typedef struct ss_model_class {
     bool needs_volume;
     bool takes_friction;       /* its contacts hold the tool along the surface, too */
     bool grasps_without_force; /* what it holds goes along, and pulls at no tool: nothing tears */
-    bool takes_second_order;   /* meshes with nodes in the middle of sides; others are refused */
+    bool takes_second_order;   /* meshes with mid-edge nodes; others are refused */
     bool has_no_energy;        /* a rule for shapes: the energies that info tells are 0 */
     /* Estimated cost of one step in microseconds on the reference core, from counts alone; with a
      * plan->step of 0, which is not chosen yet, of a short one. */

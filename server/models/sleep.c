@@ -205,7 +205,7 @@ static double clearance(const ss_sleep *sleep, int32_t p, const double x[3])
     return sqrt(least) - sleep->tool[p].radius - sleep->slack;
 }
 
-/* ---- what acts by itself ---- */
+/* ---- loads and supports that change ---- */
 
 /* Something that begins at `from` and is done `ramp` later: does it go on at `time`, and else until
  * when does it not? */

@@ -9,7 +9,7 @@
  *   wrong probe    the channel's probe has no tool, or the pose names another one
  *   not finite     position or orientation; | |q| - 1 | > 1e-3; velocity or applied force that is
  *                  infinite or only partly NaN (NaN as a whole means unknown)
- *   other          velocity or force beyond any device (1 km/s, 1 MN)
+ *   other          velocity or force beyond any device (1 km/s, 1 MN in a coordinate)
  *   other sender   somebody else holds the probe: the first sender keeps it until no finite pose
  *                  of it came for 0.5 s and then a good one of another sender does. A sender is its
  *                  number and the address that its poses come from: every force tells the number
@@ -20,8 +20,8 @@
  *                  age = d - min(d of the poses accepted in the last 10 s), the minima kept per
  *                  second. A sender all of whose poses were stale for 0.5 s (its clock was set,
  *                  a log was started again) starts afresh
- *   jump           further than max_jump from the last accepted pose, or more than 100 m from the
- *                  origin, which also bounds the first pose
+ *   jump           further than max_jump from the last accepted pose, or more than 100 m in a
+ *                  coordinate, which also bounds the first pose
  * After 50 haptic periods without a good pose the force has been ramped away and the tool is out of
  * the world: the next good pose is taken wherever it is and whatever its seq, as a new epoch.
  * Alternative rejected: judging age by the hosts' wall clocks, which need not agree.
@@ -180,7 +180,7 @@ static bool is_stale(gate_probe *probe, int64_t now_ns, int64_t offset_us)
 /* ---- one probe ---- */
 
 /* Judges a pose of the sender that holds the probe, or of the first one. */
-static softsim_refusal judge_holder(const ss_gate *gate, gate_probe *probe,
+static softsim_refusal judge_motion(const ss_gate *gate, gate_probe *probe,
                                     const softsim_pose *pose, int64_t now_ns, bool is_return)
 {
     /* Unsigned difference: seq may wrap. */
@@ -220,7 +220,7 @@ static softsim_refusal judge_probe(const ss_gate *gate, gate_probe *probe, const
                         .answered_ns = probe->answered_ns};
     gate_probe *judged = is_holder ? probe : &fresh;
     const bool is_return = !is_holder || now_ns - probe->accepted_ns > gate->watchdog_ns;
-    const softsim_refusal refusal = judge_holder(gate, judged, pose, now_ns, is_return);
+    const softsim_refusal refusal = judge_motion(gate, judged, pose, now_ns, is_return);
     if (refusal != SOFTSIM_ACCEPTED) {
         return refusal;
     }

@@ -20,7 +20,7 @@
 #include "softsim/types.h"
 #include "softsim/view.h"
 
-/* ---- what crosses between the net thread and the loops ---- */
+/* ---- exchange between the net thread and the loops ---- */
 
 /* net -> haptic, one ring per probe. */
 typedef struct ss_pose_record {

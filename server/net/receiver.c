@@ -268,11 +268,11 @@ static bool is_within_rate(lane_state *lane, uint64_t source, int64_t now_ns)
     if (limits->sender_per_s == 0 || (limits->followed != NULL && *limits->followed == source)) {
         return true;
     }
-    const ss_senders_verdict verdict = ss_senders_hear(&lane->senders, source, now_ns);
-    if (verdict == SS_SENDERS_OVER) {
+    const ss_senders_answer answer = ss_senders_hear(&lane->senders, source, now_ns);
+    if (answer == SS_SENDERS_OVER) {
         mute(lane, source, now_ns);
     }
-    return verdict == SS_SENDERS_HEARD;
+    return answer == SS_SENDERS_HEARD;
 }
 
 /* Hands over what is there, at most a batch. How many; -1 when the socket is broken. */

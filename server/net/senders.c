@@ -6,7 +6,7 @@
 
 static const double MEMORY_S = 1.0;
 static const int32_t NEWCOMERS_PART = 4; /* one in so many */
-static const double LEFT_PART = 0.5;
+static const double LEFT_PART = 0.5; /* of what is left of the shared budget, that one may take */
 /* Said ten minutes ago; less would end as a subnormal number, which is slow and never gets to 0. */
 static const double FORGOTTEN = 1e-300;
 /* What known ones do not use, newcomers may. Half of the other half is still more than one may say
@@ -69,7 +69,7 @@ static int32_t find_place(ss_senders *senders)
     return least;
 }
 
-ss_senders_verdict ss_senders_hear(ss_senders *senders, uint64_t source, int64_t now_ns)
+ss_senders_answer ss_senders_hear(ss_senders *senders, uint64_t source, int64_t now_ns)
 {
     forget(senders, now_ns);
     const int32_t known = find(senders, source);

@@ -30,11 +30,11 @@
 
 enum { SS_SENDERS = 256 };
 
-typedef enum ss_senders_verdict {
+typedef enum ss_senders_answer {
     SS_SENDERS_HEARD,
     SS_SENDERS_OVER, /* a known one, over its share */
     SS_SENDERS_NEW   /* a newcomer among too many of them */
-} ss_senders_verdict;
+} ss_senders_answer;
 
 typedef struct ss_senders {
     double one, known;    /* parameters: messages in about a second, of one and of all known */
@@ -50,7 +50,7 @@ typedef struct ss_senders {
  * is for newcomers. */
 ss_senders ss_senders_make(int32_t one_per_s, int32_t all_per_s);
 /* Counts a message of the sender where it may say it. */
-ss_senders_verdict ss_senders_hear(ss_senders *senders, uint64_t source, int64_t now_ns);
+ss_senders_answer ss_senders_hear(ss_senders *senders, uint64_t source, int64_t now_ns);
 /* A known sender that is not listened to for `pause_ns` has then said all that one may: those who
  * pause leave the others larger shares, which they would take all at once when they are back. */
 void ss_senders_pause(ss_senders *senders, uint64_t source, int64_t pause_ns);

@@ -197,13 +197,13 @@ static bool has_layer(const ss_scene_model *model)
     return has_row(model, "layer.thickness_m");
 }
 
-/* The finer surface that curved sides follow. */
+/* The finer surface that curved edges follow. */
 static bool take_surface(ss_scene_loader *l, const ss_scene_node *object)
 {
     ss_scene_node *file = good(ss_scene_node_find(object, "surface"));
     if (file != NULL && !has_row(l->model, "curved")) {
         ss_scene_node_fault(l->report, file,
-                            "object.surface is what curved sides follow, which %s does not have; "
+                            "object.surface is what curved edges follow, which %s does not have; "
                             "fem-quadratic does",
                             l->model != NULL ? l->model->name : "this model");
         return false;
@@ -300,7 +300,7 @@ static bool take_mesh(ss_scene_loader *l)
     if (l->model != NULL && !l->model->takes_second_order && file != NULL &&
         scene->mesh->middle != NULL) {
         ss_scene_node_fault(l->report, source,
-                            "%s has no nodes in the middle of sides, and '%.100s' is of second "
+                            "%s has no mid-edge nodes, and '%.100s' is of second "
                             "order; take fem-quadratic, or a mesh of its corners: softsim-mesh "
                             "convert --order 1",
                             l->model->name, file->text);

@@ -128,7 +128,7 @@ void ss_world_doubt(const ss_world *world, const ss_notes *out)
     world->model_class->explain(world->model, &warnings);
 }
 
-/* ---- what a new scene's author asks first ---- */
+/* ---- summary of a new scene ---- */
 
 bool ss_world_find_touch(const ss_world *world, int32_t *out_probe, int *out_side, ss_touch *out)
 {

@@ -25,5 +25,5 @@ bool ss_drawn_init(ss_drawn *drawn, const ss_mesh *mesh, const uint8_t *fixed,
                    const ss_model_shape *shape);
 void ss_drawn_fini(ss_drawn *drawn);
 
-/* Gives the nodes in the middle of sides the mean of the ends of theirs. */
+/* Gives the mid-edge nodes the mean of the ends of theirs. */
 void ss_drawn_spread(const ss_drawn *drawn, float *value);

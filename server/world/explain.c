@@ -78,8 +78,9 @@ static void leave_out_contact(const ss_world *world, const ss_notes *out)
     (void)snprintf(put_back, sizeof put_back,
                    "contact.tools=[{probe: 0, shape: {sphere: {radius_mm: %.6g}}}]",
                    100.0 * ss_mesh_diagonal(world->scene->mesh));
-    ss_note_left_out(out, "contact", put_back,
-                     "no tool: no haptic thread, no contact surface, no columns of a network");
+    ss_note_left_out(
+        out, "contact", put_back,
+        "no tool: no haptic thread, no contact surface, no influence functions of a network");
 }
 
 /* No force on the first node of the surface that is free. */

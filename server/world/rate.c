@@ -82,19 +82,19 @@ static double share_of(const ss_world *world)
 static void choose_anew(ss_world *world)
 {
     double share = INFINITY;
-    int32_t half = 0; /* the step of that share */
+    int32_t shorter = 0; /* the step of that share */
     for (int i = 0; i < RATES; ++i) {
         set_step(world, ticks[i]);
         if (share_of(world) <= COST_SHARE) {
             return;
         }
-        if (ticks[i] >= 2 * half) {
+        if (ticks[i] >= 2 * shorter) {
             if (share_of(world) > GAIN_SHARE * share) {
-                set_step(world, half);
+                set_step(world, shorter);
                 return;
             }
             share = share_of(world);
-            half = ticks[i];
+            shorter = ticks[i];
         }
     }
 }

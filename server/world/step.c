@@ -109,7 +109,7 @@ static bool find_free_pose(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
     } else if (probe->steps_unplaced < probe->next_search && !probe->search.is_begun) {
         return false;
     }
-    if (target->starts == probe->inward_starts) {
+    if (target->restart_count == probe->inward_restart_count) {
         ss_set3(probe->inward, 0.0, 0.0, 0.0); /* another device, or the same from elsewhere */
     }
     const ss_contact_exit_result result =
@@ -171,7 +171,7 @@ static ss_model_tool plan_tool(ss_world *world, int32_t p, double velocity[3])
     probe->was_present = false;
     probe->is_found_inside =
         is_same && probe->is_found_inside && probe->found_entries == target->entries;
-    if (!target->is_present || target->starts != world->simulation_run.starts ||
+    if (!target->is_present || target->restart_count != world->simulation_run.restart_count ||
         (world->simulation_run.is_paused && !is_same)) {
         probe->steps_unplaced = 0;
         return (ss_model_tool){.is_present = false};
@@ -218,7 +218,7 @@ static void note_touch(ss_world *world, ss_world_probe *probe)
     if (set->count > 0 && ss_norm3(set->force) > 0.0) {
         world->deformed_until = world->steps + (int64_t)ceil(DEFORMED_TIME / world->step_period);
         ss_scale3(probe->inward, set->normal, -1.0);
-        probe->inward_starts = probe->step_target.starts;
+        probe->inward_restart_count = probe->step_target.restart_count;
     }
 }
 
@@ -233,7 +233,7 @@ static void read_contacts(ss_world *world, int32_t p, const ss_model_tool *tool,
                                   .step = world->steps,
                                   .period = world->step_period,
                                   .pose_seq = probe->step_target.pose_seq,
-                                  .starts = world->simulation_run.starts,
+                                  .restart_count = world->simulation_run.restart_count,
                                   .is_fault = info->verdict == SOFTSIM_VERDICT_FAULT,
                                   .stored = info->kinetic + info->elastic,
                                   .load_work = info->load_work};

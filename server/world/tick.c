@@ -58,7 +58,7 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
     }
     input.result = ss_mailbox_take(probe->result, &input.is_result_new);
     input.is_paused = world->haptic_run.is_paused;
-    input.starts = world->haptic_run.starts;
+    input.restart_count = world->haptic_run.restart_count;
     input.is_stopping = atomic_load_explicit(&world->is_stopping, memory_order_acquire);
 
     ss_haptic_output output;

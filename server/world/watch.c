@@ -51,8 +51,7 @@ void ss_energy_watch_judge(const ss_energy_watch *watch, ss_model_info *info)
             ? "the tissue gained more energy than any tool could supply; the simulation is "
               "stopped until reset"
             : "the tissue took up more energy than a hand at haptic.max_force_n gives: move "
-              "slower, "
-              "or steady the tracker";
+              "slower, or steady the device";
 }
 
 void ss_energy_watch_skip(ss_energy_watch *watch)
@@ -191,7 +190,7 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
         /* Another device, or the same from elsewhere: the distance between the two poses is not
          * counted as motion. */
         *watch = (ss_hand_watch){.sender_epoch = now->sender_epoch,
-                                 .told = watch->told,
+                                 .last_verdict = watch->last_verdict,
                                  .until = watch->until,
                                  .device_j = now->device_j,
                                  .others_j = now->others_j,
@@ -214,20 +213,20 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
     const bool is_named =
         now->pose && (now->pose->force_seq >= 0 || ss_is_finite(now->pose->applied_force, 3));
     handed_out = is_named ? fmax(handed_out, -now->contact_j) : handed_out;
-    given[SS_HAND_WATCH_DELAYS] = is_named ? now->device_j - watch->device_j : 0.0;
+    given[SS_HAND_WATCH_NAMED] = is_named ? now->device_j - watch->device_j : 0.0;
     watch->device_j = now->device_j;
     const double made = judge_parts(watch, now, given, is_counted);
     const ss_hand_verdict found =
         ss_hand_verdict_worse(judge_hand(handed_out, watch->let_in, made), judge_trail(watch, now));
     if (found.verdict != SOFTSIM_VERDICT_GOOD) {
-        watch->told = ss_hand_verdict_worse(found, ss_hand_watch_verdict(watch, now->tick));
+        watch->last_verdict = ss_hand_verdict_worse(found, ss_hand_watch_verdict(watch, now->tick));
         watch->until = now->tick + (int64_t)ceil(tell_time / now->period);
     }
 }
 
 ss_hand_verdict ss_hand_watch_verdict(const ss_hand_watch *watch, int64_t tick)
 {
-    return tick < watch->until ? watch->told : (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
+    return tick < watch->until ? watch->last_verdict : (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
 }
 
 ss_hand_verdict ss_hand_verdict_worse(ss_hand_verdict a, ss_hand_verdict b)

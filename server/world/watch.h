@@ -65,7 +65,9 @@ void ss_energy_watch_skip(ss_energy_watch *watch);
 /* The model is at rest again. */
 void ss_energy_watch_reset(ss_energy_watch *watch);
 
-enum { SS_HAND_WATCH_DELAYS = 2 };
+/* Of SS_SUPPLY_DEVICES the first two, by the delay of an answer; the last names the force that it
+ * exerts, or tells it. */
+enum { SS_HAND_WATCH_DELAYS = 2, SS_HAND_WATCH_NAMED = SS_HAND_WATCH_DELAYS };
 /* s, damping over stiffness: at 0.04 s no touch is late, at 0.12 s by 0.07 s. */
 static const double SS_LONGEST_TRAIL_S = 0.05;
 
@@ -88,7 +90,7 @@ typedef struct ss_hand_watch {
     int64_t trailing;                    /* ticks on end that the tool is behind, unfelt */
     ss_supply supply;
     double device_j, others_j, load_work; /* as of the last tick, and result */
-    ss_hand_verdict told;
+    ss_hand_verdict last_verdict;
     int64_t until; /* tick: it holds before it */
 } ss_hand_watch;
 

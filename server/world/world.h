@@ -98,7 +98,7 @@ typedef struct ss_world_probe {
     uint32_t found_entries;        /* of the target then */
     double outward[3];             /* the way there */
     double inward[3];              /* unit: how it was last pressed into the tissue; 0 not known, */
-    uint32_t inward_starts;        /* and after which start */
+    uint32_t inward_restart_count; /* and after which start */
     ss_proxy_target step_target;   /* target of the step under way */
     ss_simulation_result computed; /* result of that step, until it is due */
     /* lockstep: the answer to the newest pose, for repeated ones */
@@ -113,13 +113,13 @@ typedef struct ss_world_probe {
 /* What a loop has heard of pauses, resumes and resets. */
 typedef struct ss_loop_run {
     bool is_paused;
-    uint32_t starts; /* resets and resumes */
+    uint32_t restart_count; /* resets and resumes */
 } ss_loop_run;
 
 static inline void ss_loop_hear(ss_loop_run *run, ss_command_kind kind)
 {
     run->is_paused = kind == SS_COMMAND_PAUSE || (run->is_paused && kind != SS_COMMAND_RESUME);
-    run->starts += kind == SS_COMMAND_RESUME || kind == SS_COMMAND_RESET;
+    run->restart_count += kind == SS_COMMAND_RESUME || kind == SS_COMMAND_RESET;
 }
 
 typedef struct ss_world {

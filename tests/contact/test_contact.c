@@ -197,7 +197,7 @@ TEST(hexagon_fan_has_the_weight_of_the_closed_form)
     close_query();
 }
 
-/* ---- what the broad phase may not change ---- */
+/* ---- results without the broad phase ---- */
 
 TEST(broad_phase_radius_does_not_change_a_bit)
 {

@@ -230,7 +230,7 @@ TEST(picks_parts_by_radius_over_edge)
     }
 }
 
-/* ---- where a tool that appears stands ---- */
+/* ---- tools that appear ---- */
 
 /* On a sphere of radius 20 mm, seen from random places inside and outside, and over its corners. */
 TEST(a_tool_that_appears_is_found_inside_or_outside)

@@ -33,7 +33,7 @@ typedef struct rig {
     ss_simulation_result result;
     bool has_result, is_new;
     bool is_paused, is_reset, is_stopping, has_pose;
-    uint32_t epoch, starts;
+    uint32_t epoch, restart_count;
     int ahead; /* resets that the result has seen and the haptic loop has not */
     ss_haptic_output out;
 } rig;
@@ -82,8 +82,8 @@ static inline double rig_tick(rig *r, double z)
         ++r->pose.seq;
         r->pose.utime_us = 1000 * r->tick;
     }
-    r->starts += r->is_reset;
-    r->result.starts = r->starts + (uint32_t)r->ahead;
+    r->restart_count += r->is_reset;
+    r->result.restart_count = r->restart_count + (uint32_t)r->ahead;
     const ss_haptic_input input = {.tick = r->tick,
                                    .pose = &r->pose,
                                    .pose_count = r->has_pose ? 1 : 0,
@@ -91,7 +91,7 @@ static inline double rig_tick(rig *r, double z)
                                    .result = r->has_result ? &r->result : NULL,
                                    .is_result_new = r->is_new,
                                    .is_paused = r->is_paused,
-                                   .starts = r->starts,
+                                   .restart_count = r->restart_count,
                                    .is_stopping = r->is_stopping};
     ss_haptic_tick(r->haptic, &input, &r->out);
     r->is_new = false;

@@ -104,12 +104,12 @@ TEST(results_from_across_a_reset_do_not_count)
         r.ahead = 1;
         assert_near(rig_tick(&r, -4e-3), f, 1e-6);
     }
-    r.starts = 1;
+    r.restart_count = 1;
     for (int i = 1; i <= 100; ++i) {
         rig_result(&r, 300.0, 4e-3, 1); /* as it was */
         r.ahead = -1;
         assert_near(rig_tick(&r, -4e-3), fmax(0.0, 1.0 - i / 20.0) * f, 1e-6);
-        assert_int_equal(r.out.target.starts, i > 20);
+        assert_int_equal(r.out.target.restart_count, i > 20);
     }
     rig_end(&r);
 }

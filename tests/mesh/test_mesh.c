@@ -271,7 +271,7 @@ static const struct {
     {"repeated", plant_repeated_node, true, FIELD(zero_area), 1, 12, SOFTSIM_ERROR_MESH,
      "flat triangles: 1 (triangle 12)"},
     {"duplicate", plant_duplicate, true, FIELD(duplicate_triangle), 1, 12, SOFTSIM_ERROR_MESH,
-     "there already: 1 (triangle 12)"},
+     "duplicate triangles: 1 (triangle 12)"},
     {"loose", plant_loose, true, FIELD(loose_node), 1, 8, SOFTSIM_ERROR_MESH,
      "without an element: 1 (node 8)"},
     {"coincident", plant_coincident, true, FIELD(coincident_node), 4, 8, SOFTSIM_ERROR_MESH,

@@ -664,7 +664,7 @@ TEST(check_and_info_exit_as_promised)
     static const tool_row rows[] = {
         {"check good.obj", 0, "good.obj: good"},
         {"check open.obj", 1, "open.obj: open edges: 4"},
-        {"check twice.obj", 2, "twice.obj: triangles that are there already: 1"},
+        {"check twice.obj", 2, "twice.obj: duplicate triangles: 1"},
         {"check missing.obj", 2, "softsim-mesh: missing.obj: cannot read it"},
         {"check good.obj --units m", 0, "good"},
         {"check good.obj --units miles", 2, "not one of mm|cm|dm|m"},
@@ -682,7 +682,7 @@ TEST(check_and_info_exit_as_promised)
         {"generate cylinder --columns 2", 2, "at least 3"},
         {"generate cylinder --grid --out grid.obj", 0, "grid.obj: 360 nodes, 336 quads, in m"},
         {"info grid.obj --units m", 0, "\nquads       336 "},
-        {"info grid.obj --units m", 0, "\ndirections  0 sides"},
+        {"info grid.obj --units m", 0, "\ndirections  0 edges"},
         {"generate plane --grid --out grid.msh", 0, "grid.msh: 441 nodes, 400 quads, in m"},
         {"info grid.msh --units m", 0, "\nquads       400 "},
         {"info mixed.obj", 0, "\ncut_faces   1 of more than three corners"},

@@ -356,7 +356,7 @@ TEST(faults_of_quads_are_named)
          1},
         {3,
          {{0, 1, 4, 3}, {1, 2, 5, 4}, {4, 5, 2, 1}},
-         "have one already: 1 (quad 2)",
+         "duplicate quads: 1 (quad 2)",
          offsetof(ss_mesh_report, duplicate_triangle),
          2},
         {2,

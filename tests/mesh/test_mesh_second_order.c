@@ -233,7 +233,7 @@ static void write_tetgen(void)
     assert_int_equal(fclose(file), 0);
 }
 
-/* ---- what must hold ---- */
+/* ---- invariants ---- */
 
 static double distance_to_middle(const ss_mesh *m, int32_t e, int s, int32_t node)
 {
@@ -442,20 +442,20 @@ static void expect_fault(int32_t nodes, double x[16][3], int32_t tet[3][10], con
 TEST(each_fault_of_second_order_is_named)
 {
     static const char *const shared =
-        "it: nodes in the middle of more than one side, or at a corner too: 1 (node ";
+        "it: mid-edge nodes of more than one edge, or at a corner too: 1 (node ";
     char words[128];
     double x[16][3];
     int32_t tet[3][10];
     make_pair(x, tet);
     expect_fault(14, x, tet, NULL);
-    tet[1][7] = 14; /* of side 12 */
+    tet[1][7] = 14; /* of edge 12 */
     ss_set3(x[14], 0.5, 0.51, 0.0);
     expect_fault(15, x, tet,
-                 "it: sides that two tetrahedra give different middle nodes: 1 (at node 1)");
+                 "it: edges that two tetrahedra give different mid-edge nodes: 1 (at node 1)");
     static const struct {
         int side;
         int32_t node;
-    } wrong[] = {{2, 5}, {5, 3}, {5, 4}}; /* another side's, its end, a corner of the other */
+    } wrong[] = {{2, 5}, {5, 3}, {5, 4}}; /* another edge's, its end, a corner of the other */
     for (int k = 0; k < COUNT(wrong); ++k) {
         make_pair(x, tet);
         tet[0][4 + wrong[k].side] = wrong[k].node;
@@ -463,9 +463,9 @@ TEST(each_fault_of_second_order_is_named)
         expect_fault(14, x, tet, words);
     }
     make_pair(x, tet);
-    ss_set3(x[10], 0.0, -0.6, -0.6); /* of 23, beyond the opposite side */
+    ss_set3(x[10], 0.0, -0.6, -0.6); /* of 23, beyond the opposite edge */
     expect_fault(14, x, tet,
-                 "it: tetrahedra that their middle nodes turn inside out: 1 (tetrahedron 0)");
+                 "it: tetrahedra that their mid-edge nodes turn inside out: 1 (tetrahedron 0)");
     make_pair(x, tet);
     for (int e = 0; e < 2; ++e) { /* in another format's order */
         const int32_t last = tet[e][8];

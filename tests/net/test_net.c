@@ -541,7 +541,7 @@ TEST(own_commands_are_passed_over)
     ss_net_close(&net);
 }
 
-/* ---- who stays ---- */
+/* ---- the server that stays ---- */
 
 enum { SECOND_NS = 1000000000 };
 

@@ -153,7 +153,7 @@ static void hear_all(ss_receiver *receiver, heard *h, int fd)
     }
 }
 
-/* ---- what the kernel lets in ---- */
+/* ---- the kernel's filter ---- */
 
 TEST(the_kernel_lets_in_whole_messages_of_our_channels)
 {

@@ -139,9 +139,9 @@ TEST(ever_new_numbers_take_nothing_from_known_ones)
     }
     for (int i = 0; i < SECONDS * 10000; ++i) {
         const int64_t now_ns = START + i * 1000 * MS / 10000;
-        const ss_senders_verdict verdict = ss_senders_hear(&senders, number++, now_ns);
-        assert_int_not_equal(verdict, SS_SENDERS_OVER);
-        heard += verdict == SS_SENDERS_HEARD;
+        const ss_senders_answer answer = ss_senders_hear(&senders, number++, now_ns);
+        assert_int_not_equal(answer, SS_SENDERS_OVER);
+        heard += answer == SS_SENDERS_HEARD;
         if (i % 50000 == 0) {
             assert_true(say(&senders, RARE, now_ns));
         }

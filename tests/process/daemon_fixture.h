@@ -80,7 +80,7 @@ static inline double magnitude(const double v[3])
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* ---- what a test client sees ---- */
+/* ---- a test client ---- */
 
 typedef struct watch {
     lcm_t *lcm;

@@ -169,7 +169,7 @@ TEST_WITH(monitor_sends_commands, make_folder, tear_down)
     assert_int_equal(stop_daemon(), 0);
 }
 
-/* ---- what the server says of itself ---- */
+/* ---- status and scene ---- */
 
 static bool says_slow(const watch *w)
 {

@@ -56,7 +56,7 @@ static const bad bad_row[] = {
     {4, "", "2:1", "object.units is missing"},
     {4, "  units: miles", "4:10", "one of mm cm m in um dm"},
     {4, "  units: mm\n  shell: {}", "5:3", "unknown key 'shell'"},
-    {4, "  units: mm\n  surface: cube.msh", "5:12", "what curved sides follow"},
+    {4, "  units: mm\n  surface: cube.msh", "5:12", "what curved edges follow"},
     {4, "  units: mm\n  transform: {scale: 0}", "5:22", "above 0"},
     {5, "  fixed: [{box_m: [[-1, -1, -1], [1, 1, -0.001]]}]", "5:12", "takes no node"},
     {5, "  fixed: [{box_m: [[1, -1, -1], [-1, 1, 0]]}]", "5:19", "wrong way round"},
@@ -181,9 +181,8 @@ TEST(a_mesh_of_second_order_is_refused_by_models_without_such_elements)
     assert_null(load_with("softsim: 1\nobject: {mesh: ten.msh, units: mm}\nmodel: {name: block}\n",
                           NULL, 0));
     assert_int_equal(error.fault_count, 1);
-    assert_non_null(strstr(error.text,
-                           ":2:16: error: block has no nodes in the middle of sides, and "
-                           "'ten.msh' is of second order; take fem-quadratic, or"));
+    assert_non_null(strstr(error.text, ":2:16: error: block has no mid-edge nodes, and "
+                                       "'ten.msh' is of second order; take fem-quadratic, or"));
     assert_non_null(strstr(error.text, "convert --order 1"));
     ss_scene *scene = load_with(
         "softsim: 1\nobject: {mesh: ten.msh, units: mm}\nmodel: {name: bubble}\n", NULL, 0);

@@ -219,7 +219,7 @@ TEST(only_first_answers_within_the_run_count)
     assert_int_not_equal(ss_figures_read_answers(&session, &figures, &error), SOFTSIM_OK);
 }
 
-/* ---- what is read ---- */
+/* ---- reading ---- */
 
 TEST(a_bridges_log_is_timed_by_its_ticks)
 {
@@ -264,7 +264,7 @@ TEST(bridge_arguments_are_read_without_a_shell)
     assert_false(ss_session_read_bridge("/nowhere/p.sh", value, 64));
 }
 
-/* ---- what is written ---- */
+/* ---- writing ---- */
 
 TEST(a_page_is_escaped_and_complete_or_not_there)
 {

@@ -106,7 +106,7 @@ static const struct {
     {"twice.msh", MSH("4\n" CORNERS, "2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 2 3 1 4\n"), 2,
      "{\"key\": \"duplicate_tetrahedron\", \"count\": 1, \"status\": 2, \"is_refused\": true, "
      "\"first\": [1], ",
-     "tetrahedra that are there already: 1 (tetrahedron 1)"},
+     "duplicate tetrahedra: 1 (tetrahedron 1)"},
     {"face.msh",
      MSH("6\n" CORNERS "5 0 0 -1\n6 1 1 2\n",
          "3\n1 4 2 0 1 1 2 3 4\n2 4 2 0 1 1 3 2 5\n3 4 2 0 1 1 2 3 6\n"),
@@ -298,7 +298,7 @@ TEST(faces_that_are_there_many_times_cost_no_more_than_once)
     assert_int_equal(fclose(file), 0);
     char out[8192];
     assert_int_equal(run(TOOL "check copies.msh", out, sizeof out), 2);
-    assert_non_null(strstr(out, "triangles that are there already: 49999"));
+    assert_non_null(strstr(out, "duplicate triangles: 49999"));
     assert_null(strstr(out, "too many triangles lie about each other"));
 }
 
@@ -309,7 +309,7 @@ TEST(the_order_of_tetrahedra_is_told_and_changed)
     write_text("flat.obj", CUBE_V CUBE_F);
     static const tool_row rows[] = {
         {"convert one.msh two.vtk --order 2", 0, "10 nodes, 1 tetrahedra of second order"},
-        {"info two.vtk", 0, "order       2 (a node on every side"},
+        {"info two.vtk", 0, "order       2 (a node on every edge"},
         {"info two.vtk --json", 0, "\"order\": 2"},
         {"check two.vtk --units m", 0, "fem-quadratic: stable step"},
         {"check two.vtk --units m", 0, " fem: it takes no mesh of second order: softsim-mesh "},
@@ -337,7 +337,7 @@ TEST(repair_tells_each_change_and_what_comes_out_is_good)
     assert_int_equal(run(TOOL "check broken.msh", out, sizeof out), 2);
     assert_int_equal(run(TOOL "convert broken.msh mended.msh --repair", out, sizeof out), 0);
     const char *const changes[] = {"broken.msh: nodes welded to others: 1 (node 9)\n",
-                                   "broken.msh: double elements dropped: 1 (tetrahedron 6)\n",
+                                   "broken.msh: duplicate elements dropped: 1 (tetrahedron 6)\n",
                                    "broken.msh: loose nodes dropped: 1 (node 8)\n",
                                    "broken.msh: tetrahedra turned: 2 (tetrahedron 1, 4)\n",
                                    "mended.msh: 8 nodes, 6 tetrahedra"};
@@ -359,7 +359,7 @@ TEST(repair_tells_what_it_leaves)
     write_text("hole.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\n"
                            "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 1 2 5\n");
     assert_int_equal(run(TOOL "convert hole.obj whole.obj --repair", out, sizeof out), 0);
-    assert_non_null(strstr(out, "hole.obj: double elements dropped: 1 (face 4)\n"));
+    assert_non_null(strstr(out, "hole.obj: duplicate elements dropped: 1 (face 4)\n"));
     assert_non_null(strstr(out, "hole.obj: left as they are: holes: 1 (at node "));
     write_text("mine.obj", CUBE_V CUBE_F);
     assert_int_equal(run(TOOL "convert mine.obj whole.obj --repair", out, sizeof out), 0);

@@ -42,7 +42,7 @@ static double told_ratio(void)
 {
     const double force = number_after(out, "pressed: "), depth = 1e-3 * number_after(out, " N at ");
     const double radius = 1e-3 * number_after(out, "a ball of ");
-    const double modulus = number_after(out, "of Hertz' force for ");
+    const double modulus = number_after(out, "times Hertz's force for ");
     return force / (4.0 / 3.0 * modulus / (1.0 - 0.45 * 0.45) * sqrt(radius) * depth * sqrt(depth));
 }
 
@@ -83,7 +83,7 @@ TEST_WITH(every_tissue_on_every_body_presses_well_by_every_model, make_folder, r
     }
 }
 
-/* ---- what is chosen ---- */
+/* ---- choices ---- */
 
 /* The unit is the one in which a body is an organ; between two, the one nearer to 12 cm. The liver
  * in decimetres is 2.0 x 1.2 x 0.8, which would do for centimetres too. */

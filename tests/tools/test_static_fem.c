@@ -153,7 +153,7 @@ TEST(passes_the_patch_test)
     test_rows("a_uniaxial/mesh_125.msh", "0.45", 16);
 }
 
-/* ---- what another program reaches ---- */
+/* ---- an independent program ---- */
 
 /* Errors in per cent against columns ux_LEVEL of a reference: L2 by node weight, and the largest.
  */

@@ -8,7 +8,7 @@
 
 #include "input_fixture.h"
 
-/* ---- what is not a file, and none left ---- */
+/* ---- pipes, devices and leftovers ---- */
 
 TEST(a_full_disk_ends_a_run)
 {
@@ -243,7 +243,7 @@ TEST(too_few_descriptors_are_named)
     }
 }
 
-/* ---- what is recorded ---- */
+/* ---- recordings ---- */
 
 /* What is said has no room: the pipe is full, and who holds its other end does not read. Under the
  * limit a run that waits for it ends by a signal. */

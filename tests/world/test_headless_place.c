@@ -379,7 +379,7 @@ TEST(a_place_is_looked_for_ever_less_often)
     softsim_destroy(&world);
 }
 
-/* ---- where tissue was ---- */
+/* ---- places that tissue has left ---- */
 
 /* A ball of 8 mm that comes to stand 4 mm clear of a block whose top goes down by 12 mm in 0.2 s.
  */

@@ -327,16 +327,16 @@ TEST(a_command_reaches_both_loops_or_none)
         ss_world_step_begin(world);
     }
     assert_in_range(taken, 1, TRIES - 1);
-    assert_int_equal(world->simulation_run.starts, taken);
+    assert_int_equal(world->simulation_run.restart_count, taken);
     ss_world_haptic_tick(world, 1, 0, 0);
-    assert_int_equal(world->haptic_run.starts, taken);
+    assert_int_equal(world->haptic_run.restart_count, taken);
     for (int i = 0; i < TRIES; ++i) {
         taken += ss_world_command(world, "reset", "", &record, text, sizeof text) == 0;
         ss_world_haptic_tick(world, 2 + i, 0, 0);
     }
     ss_world_step_begin(world);
-    assert_int_equal(world->simulation_run.starts, taken);
-    assert_int_equal(world->haptic_run.starts, taken);
+    assert_int_equal(world->simulation_run.restart_count, taken);
+    assert_int_equal(world->haptic_run.restart_count, taken);
     ss_world_destroy(&world);
 }
 

@@ -42,7 +42,7 @@ static ss_world *open_world(const ss_press_scene *scene, const char *patch, soft
     return world;
 }
 
-/* ---- where ---- */
+/* ---- place of the press ---- */
 
 /* The middle of the box around the nodes. */
 static void find_middle(const ss_mesh *mesh, double out[3])
@@ -139,7 +139,7 @@ static void turn_z(const double way[3], double out[4])
     out[3] = 0.0;
 }
 
-/* ---- how far off ---- */
+/* ---- distance from the curve ---- */
 
 /* A place that is given must be on the surface, and free there: a unit mistaken, or a place of
  * another body, would otherwise press somewhere and fit to it. A mean edge of freedom. */

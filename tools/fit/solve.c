@@ -245,7 +245,7 @@ static bool descend(work *w, double *inout_cost)
     return false;
 }
 
-/* ---- what the data tell ---- */
+/* ---- identifiability ---- */
 
 static void judge_directions(work *w)
 {

@@ -54,7 +54,7 @@ static void flush_nothing(struct aiFile *file)
     (void)file;
 }
 
-/* ---- which may be opened ---- */
+/* ---- permission to open ---- */
 
 static FILE *refuse(beside_files *files, const char *path, const char *why)
 {

@@ -35,7 +35,7 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
         SS_TEXT("--vtk", &c->vtk, "FILE",
                 "with --repair: the elements that are still faulty, to be looked at"),
         {"--order", SS_ARG_INTEGER, &c->order, 1, 2, "N",
-         "of the tetrahedra: 2 adds nodes in the middle of sides, 1 leaves them out and closes up "
+         "of the tetrahedra: 2 adds mid-edge nodes, 1 leaves them out and closes up "
          "the numbers (as IN)"},
         SS_CHOICE("--units", &c->units, UNITS, "of IN"),
         SS_CHOICE("--to-units", &c->to_units, UNITS, "of OUT (as IN)"),

@@ -11,7 +11,7 @@
 
 enum { FAULT_CROSSING = 1, FAULT_HOLE, FAULT_OVERLAP };
 
-/* ---- what is there ---- */
+/* ---- faults left ---- */
 
 static void count_marks(const bool *mark, int32_t count, ss_mesh_fault *out)
 {

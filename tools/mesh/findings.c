@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- what is found ---- */
+/* ---- findings ---- */
 
 static void add_row(findings *f, const ss_mesh_fault *fault, const char *key, const char *what,
                     const char *where, const char *remedy, bool is_harmless)
@@ -144,11 +144,11 @@ static void print_measures(const findings *f)
                  m->triangle_count, m->tetrahedron_count, r->component_count);
     if (m->quad_count > 0) {
         (void)printf("quads       %d (the triangles are their halves)\n", m->quad_count);
-        (void)printf("directions  %lld sides where u of one quad meets w of the other\n",
+        (void)printf("directions  %lld edges where u of one quad meets w of the other\n",
                      (long long)r->mixed_direction.count);
     }
     if (m->middle != NULL) {
-        (void)printf("order       2 (a node on every side; the triangles are quarters of faces)\n");
+        (void)printf("order       2 (a node on every edge; the triangles are quarters of faces)\n");
     }
     if (m->cut_face_count > 0) {
         (void)printf("cut_faces   %d of more than three corners, since not all are quads\n",

@@ -302,11 +302,11 @@ static ss_args_result parse(int argc, char **argv, request *q, softsim_error *er
         SS_FLAG("--tetrahedra", &q->has_tetrahedra,
                 "a volume, not its surface alone (not of a plane)"),
         {"--order", SS_ARG_INTEGER, &q->order, 1, 2, "N",
-         "2: tetrahedra with a node in the middle of each side, on the true shape where that is on "
+         "2: tetrahedra with a node in the middle of each edge, on the true shape where that is on "
          "a smooth surface (1)"},
         {"--points", SS_ARG_INTEGER, &q->points, VOLUME_MIN_POINTS, VOLUME_MAX_POINTS, "N",
-         "exactly N on the surface of a kidney, liver, ellipsoid (1200); else about N; without the "
-         "middles of sides"},
+         "exactly N on the surface of a kidney, liver, ellipsoid (1200); else about N; without "
+         "mid-edge nodes"},
         SS_TEXT("--size-mm", &size, "X,Y,Z",
                 "full lengths: ellipsoid (100,60,60), ventricle (20,20,40), ellipsoids "
                 "(100,80,80), block "

@@ -42,8 +42,7 @@ static const double HAND_DEPTH_M = 8e-3; /* what the simulated hand of softsim-b
 static const double DEEPEST_SHARE = 0.3; /* of the body's height */
 static const double PLANNED_SHARE = 0.4; /* of a step's time: what is planned leaves out caches */
 static const double CLOSE = 0.02;        /* a scaled force is this near to Hertz */
-static const double LOWERED =
-    0.75; /* of the largest force, at a time, while a tool would sink in */
+static const double LOWERED = 0.75;    /* of the largest force, at a time, while a tool sinks in */
 static const double LEAST_LIMIT = 0.8; /* of the working force: it is not lowered below */
 static const double COARSE = 1.0;      /* edges longer than this many radii of the tool */
 
@@ -130,7 +129,7 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 
-/* ---- what is chosen before the scene is loaded ---- */
+/* ---- choices before the scene is loaded ---- */
 
 /* The unit in which the longest side is nearest to an organ's. -1: in none of them. *out_other:
  * another that would do, or -1. */
@@ -139,7 +138,7 @@ static int32_t judge_unit(double longest, int32_t *out_other)
     int32_t best = -1;
     double least = INFINITY;
     *out_other = -1;
-    for (int32_t u = 0; u < 4; ++u) {
+    for (int32_t u = 0; u < UNIT_COUNT; ++u) {
         const double size = longest * metres_per_unit(u);
         const double off = fabs(log(size / ORGAN_USUAL_M));
         if (size < ORGAN_LOW_M * 0.999 || size > ORGAN_HIGH_M * 1.001) {
@@ -539,7 +538,7 @@ static softsim_status try_model(const request *q, ss_output *output, organ *o, b
     return status;
 }
 
-/* ---- what is told ---- */
+/* ---- report ---- */
 
 /* Of inner tetrahedra, of e^3 / 8.5 each: 1500 of second order are felt at 1 kHz. */
 static double filling_edge_mm(const organ *o)
@@ -560,7 +559,7 @@ static void tell(const request *q, const organ *o)
                  o->fixed_count, 1e3 * o->radius, o->touch.origin[0], o->touch.origin[1],
                  o->touch.origin[2], o->side);
     (void)printf(
-        "  pressed: %.3g N at %.3g mm, %.2f of Hertz' force for %.4g Pa; to %.3g mm: %s%s%s\n",
+        "  pressed: %.3g N at %.3g mm, %.2f times Hertz's force for %.4g Pa; to %.3g mm: %s%s%s\n",
         t->force, 1e3 * t->depth, ratio_of(o), o->tissue->youngs_modulus, 1e3 * o->deepest,
         softsim_verdict_name(t->verdict), t->reason[0] != '\0' ? ": " : "", t->reason);
     (void)printf("  a step of %.3g ms took %.3g ms of a core here (planned: %.3g ms)\n",
@@ -570,7 +569,7 @@ static void tell(const request *q, const organ *o)
     }
     if (!o->has_volume && o->is_closed && q->purpose != FOR_SPEED && q->model == NULL) {
         ss_plain_print(stdout,
-                       "  filled, it does for models with physical constants: softsim-mesh "
+                       "  for models with physical constants, fill it: softsim-mesh "
                        "tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g\n",
                        q->mesh, o->unit, filling_edge_mm(o));
     }
@@ -618,14 +617,14 @@ static void warn_of(const request *q, const organ *o)
         ss_plain_print(
             stderr,
             "softsim-mesh: warning: %s: the mesh is coarse for the tool: edges of %.3g mm, a "
-            "ball of %.3g mm: forces come out too high (here %.2f of Hertz'); take a finer "
+            "ball of %.3g mm: forces come out too high (here %.2f times Hertz's); take a finer "
             "mesh, or a larger --tool-mm\n",
             q->out, 1e3 * o->edge, 1e3 * o->radius, ratio);
     } else if (t->has_touched && (ratio < 0.4 || ratio > 2.5)) {
         ss_plain_print(
             stderr,
-            "softsim-mesh: warning: %s: the force is %.2f of Hertz', which is of a body that "
-            "is large and flat beside the tool\n",
+            "softsim-mesh: warning: %s: the force is %.2f times Hertz's, which assumes a body "
+            "large and flat beside the tool\n",
             q->out, ratio);
     }
 }

@@ -33,7 +33,7 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
         {"--edge-mm", SS_ARG_NUMBER, &q->edge_mm, 1e-9, 1e12, "X", "the same in millimetres"},
         SS_CHOICE("--units", &q->units, UNITS, "of IN and OUT, for --edge-mm (mm)"),
         {"--order", SS_ARG_INTEGER, &q->order, 1, 2, "N",
-         "2: with a node in the straight middle of each side (1)"},
+         "2: with a node in the straight middle of each edge (1)"},
         {"--timeout-s", SS_ARG_NUMBER, &q->timeout_s, 0.1, 1e6, "S",
          "tetgen is stopped after that (300)"},
     };

@@ -11,7 +11,8 @@ const double tissue_poisson_ratio = 0.45;
  * second, as in the bundled scenes. */
 const double tissue_damping = 30.0;
 
-/* A shear modulus G of elastography counts as E = 3 G. */
+/* A shear modulus G of elastography counts as E = 3 G. tissue_print has room for names of 9
+ * letters. */
 static const tissue table[] = {
     {"brain", 1600, 1040, 0, "Budday et al. 2015 (indentation: grey 1.4 kPa, white matter 1.9 kPa)",
      ""},

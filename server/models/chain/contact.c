@@ -122,7 +122,7 @@ softsim_status ss_chain_tools_create(ss_model *model, softsim_error *error)
     return status;
 }
 
-/* ---- where tools are ---- */
+/* ---- places of tools ---- */
 
 /* The surface at the displacements that a step begins or ends with, once for both. */
 static void refit(ss_model *model)
@@ -348,7 +348,7 @@ void ss_chain_tools_apply(ss_model *model, double h)
     }
 }
 
-/* ---- what the hand is told ---- */
+/* ---- felt contact ---- */
 
 void ss_chain_tools_sample(ss_model *model)
 {

@@ -275,7 +275,7 @@ static void solve_some(ss_model *model, int iterations)
     }
 }
 
-/* ---- what is told ---- */
+/* ---- felt stiffness ---- */
 
 /* Sum of 2 k C |y|^2. */
 static double drag_met(const ss_model *model)

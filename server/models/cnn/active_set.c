@@ -22,16 +22,15 @@
  * of the far field are therefore all there, and the energy balance closes; what is neglected is the
  * force c1 L u on still nodes alone.
  *
- * Blocks of 64 consecutive nodes are active or still as a whole. At every fourth sub-step, and at a
- * blow sooner, each
- * active block, and each still one beside an active one, is asked how far its nodes are from their
- * places in the far field, |u - u_far|^2 + (m/ks) |v - v_far|^2, and how far the neglected force
- * would take them, |F| / ks; for all others the latter is known from what it is in modes of unit
- * size (it is not small beside held cells, however far from the contact). Beyond the tolerance
- * times the largest displacement a still block becomes active, from its place in the far field,
- * without a jump; below half of it an active one becomes still, and steps into its place, by less
- * than that. What this changes in the energy is booked as loss. Blocks with loaded, prescribed or
- * partly fixed nodes stay active.
+ * Blocks of 64 consecutive nodes are active or still as a whole. At every fourth sub-step, and
+ * sooner when the tension grows by half, each active block, and each still one beside an active
+ * one, is asked how far its nodes are from their places in the far field, |u - u_far|^2 + (m/ks) |v
+ * - v_far|^2, and how far the neglected force would take them, |F| / ks; for all others the latter
+ * is known from what it is in modes of unit size (it is not small beside held cells, however far
+ * from the contact). Beyond the tolerance times the largest displacement a still block becomes
+ * active, from its place in the far field, without a jump; below half of it an active one becomes
+ * still, and steps into its place, by less than that. What this changes in the energy is booked as
+ * loss. Blocks with loaded, prescribed or partly fixed nodes stay active.
  *
  * While blocks change they are looked at after every sub-step, and a front then moves one block (8
  * edges) in each; a sub-step of Runge-Kutta within its bound moves anything felt by less than an
@@ -186,7 +185,7 @@ static softsim_status find_near_blocks(ss_model *model, ss_cnn_active_set *set)
     return set->near ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
-/* What leads the far nodes, and the products of it in every block. */
+/* The modes' force vectors f_m, and their Gram matrix per block. */
 static void set_modes(ss_model *model, ss_cnn_active_set *set)
 {
     const int32_t count = set->mode_count;
@@ -207,11 +206,10 @@ static void set_modes(ss_model *model, ss_cnn_active_set *set)
 }
 
 /* What modes of unit size would do to a block through source k: see far_drive. */
-static void add_bend(const ss_model *model, const ss_cnn_active_set *set, int32_t k,
-                     ss_cnn_bend *bend)
+static void add_mode_error(const ss_model *model, const ss_cnn_active_set *set, int32_t k,
+                           ss_cnn_mode_error *mode_error)
 {
-    for (int32_t block = 0; block < set->block_count;
-         ++block, bend += model->source_count * set->mode_count) {
+    for (int32_t block = 0; block < set->block_count; ++block) {
         const int32_t first = block * set->block_size, next = first + set->block_size;
         const int32_t end = next < model->node_count ? next : model->node_count;
         double sum[3] = {0.0, 0.0, 0.0};
@@ -226,15 +224,17 @@ static void add_bend(const ss_model *model, const ss_cnn_active_set *set, int32_
                 alone += way * way;
                 together += model->mobility[at + a] > 0 ? force * force : 0.0;
             }
-            bend->alone = fmax(bend->alone, sqrt(alone));
-            bend->shared =
-                stiffness > 0.0 ? fmax(bend->shared, sqrt(together) / stiffness) : bend->shared;
+            mode_error->alone = fmax(mode_error->alone, sqrt(alone));
+            mode_error->shared = stiffness > 0.0
+                                     ? fmax(mode_error->shared, sqrt(together) / stiffness)
+                                     : mode_error->shared;
         }
-        bend->mean = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+        mode_error->mean = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+        mode_error += model->source_count * set->mode_count;
     }
 }
 
-static void set_bends(ss_model *model, ss_cnn_active_set *set)
+static void set_mode_errors(ss_model *model, ss_cnn_active_set *set)
 {
     const ss_cnn_kernels *kernels = model->kernels;
     for (int32_t l = 0; l < set->mode_count; ++l) {
@@ -245,7 +245,7 @@ static void set_bends(ss_model *model, ss_cnn_active_set *set)
             double ub, ur;
             kernels->product(&model->network->rows, &model->whole, model->source[k].kap, NULL,
                              model->us, model->product, &ub, &ur);
-            add_bend(model, set, k, set->bend + k * set->mode_count + l);
+            add_mode_error(model, set, k, set->mode_error + k * set->mode_count + l);
         }
     }
     const size_t bytes = ss_cnn_padded(model->node_count) * 4 * sizeof(ss_real);
@@ -258,15 +258,16 @@ static softsim_status allocate(ss_model *model, ss_cnn_active_set *set)
 {
     const size_t blocks = (size_t)set->block_count, spans = blocks / 2 + 1;
     const size_t modes = (size_t)set->mode_count;
-    const size_t bends = blocks * modes * (size_t)model->source_count;
+    const size_t mode_errors = blocks * modes * (size_t)model->source_count;
     ss_arena *arena = &model->arena;
     ss_cnn_part *const part[] = {&set->active, &set->beside, &set->rim, &set->still};
     for (size_t k = 0; k < sizeof part / sizeof *part; ++k) {
         part[k]->span = ss_arena_get(arena, spans, sizeof *part[k]->span);
     }
-    SS_ARENA_TAKE(arena, SS_ROOM(blocks, set->is_pinned), SS_ROOM(blocks, set->rank),
+    SS_ARENA_TAKE(arena, SS_ROOM(blocks, set->is_pinned), SS_ROOM(blocks, set->distance),
                   SS_ROOM(blocks, set->unrest), SS_ROOM(blocks * modes * modes, set->gram),
-                  SS_ROOM(bends, set->bend), SS_ROOM((size_t)model->node_count, set->seam),
+                  SS_ROOM(mode_errors, set->mode_error),
+                  SS_ROOM((size_t)model->node_count, set->seam),
                   SS_ROOM((size_t)model->node_count, set->is_seam));
     return ss_arena_status(arena);
 }
@@ -275,8 +276,8 @@ softsim_status ss_cnn_active_set_create(ss_model *model)
 {
     const ss_cnn_rows *rows = &model->network->rows;
     double damping_rate = 0.0, rate2 = 0.0;
-    model->window_reason = find_reason(model, &damping_rate, &rate2);
-    if (model->window_reason) {
+    model->no_set_reason = find_reason(model, &damping_rate, &rate2);
+    if (model->no_set_reason) {
         return SOFTSIM_OK;
     }
     ss_cnn_active_set *set = model->set = ss_arena_get(&model->arena, 1, sizeof *set);
@@ -295,14 +296,14 @@ softsim_status ss_cnn_active_set_create(ss_model *model)
     if (status == SOFTSIM_OK) {
         pin_blocks(model, set);
         set_modes(model, set);
-        set_bends(model, set);
+        set_mode_errors(model, set);
     }
     return status;
 }
 
 /* ---- parts ---- */
 
-/* The blocks of ranks low to high, consecutive ones as one span. */
+/* The blocks of distances low to high, consecutive ones as one span. */
 static void set_part(const ss_model *model, int low, int high, ss_cnn_part *part)
 {
     const ss_cnn_active_set *set = model->set;
@@ -310,7 +311,7 @@ static void set_part(const ss_model *model, int low, int high, ss_cnn_part *part
     bool is_open = false;
     part->count = 0;
     for (int32_t k = 0; k < set->block_count; ++k) {
-        const bool is_in = set->rank[k] >= low && set->rank[k] <= high;
+        const bool is_in = set->distance[k] >= low && set->distance[k] <= high;
         const int32_t next = (k + 1) * set->block_size;
         if (is_in && !is_open) {
             part->span[part->count++] = (ss_cnn_span){.node = k * set->block_size,
@@ -341,7 +342,7 @@ static void find_seam(const ss_model *model)
             const int32_t end = group->first_entry + group->degree * group->row_count;
             for (int32_t e = group->first_entry; e < end; ++e) {
                 const int32_t node = rows->neighbour[e] / 4;
-                if (set->rank[node / set->block_size] != ACTIVE && !set->is_seam[node]) {
+                if (set->distance[node / set->block_size] != ACTIVE && !set->is_seam[node]) {
                     set->is_seam[node] = 1;
                     set->seam[set->seam_count++] = 4 * node;
                 }
@@ -350,20 +351,20 @@ static void find_seam(const ss_model *model)
     }
 }
 
-/* Ranks of the still blocks from the active ones, and all that follows from the ranks. */
+/* Distances of the still blocks from the active ones, and all that follows from them. */
 static void set_parts(ss_model *model)
 {
     ss_cnn_active_set *set = model->set;
     const int32_t modes = set->mode_count;
     for (int32_t k = 0; k < set->block_count; ++k) {
-        set->rank[k] = set->rank[k] == ACTIVE ? ACTIVE : FAR;
+        set->distance[k] = set->distance[k] == ACTIVE ? ACTIVE : FAR;
     }
-    for (uint8_t rank = ACTIVE; rank < NEXT; ++rank) {
+    for (uint8_t from = ACTIVE; from < NEXT; ++from) {
         for (int32_t k = 0; k < set->block_count; ++k) {
-            for (int32_t n = set->near_first[k]; set->rank[k] == rank && n < set->near_first[k + 1];
-                 ++n) {
-                uint8_t *near = &set->rank[set->near[n]];
-                *near = *near == FAR ? (uint8_t)(rank + 1) : *near;
+            for (int32_t n = set->near_first[k];
+                 set->distance[k] == from && n < set->near_first[k + 1]; ++n) {
+                uint8_t *near = &set->distance[set->near[n]];
+                *near = *near == FAR ? (uint8_t)(from + 1) : *near;
             }
         }
     }
@@ -381,7 +382,7 @@ static void set_parts(ss_model *model)
     memset(set->shared, 0, sizeof set->shared);
     for (int32_t k = 0; k < set->block_count; ++k) {
         const double *gram = set->gram + (size_t)k * (size_t)(modes * modes);
-        for (int32_t m = 0; set->rank[k] != ACTIVE && m < modes * modes; ++m) {
+        for (int32_t m = 0; set->distance[k] != ACTIVE && m < modes * modes; ++m) {
             set->shared[m / modes][m % modes] += gram[m];
         }
     }
@@ -395,7 +396,7 @@ void ss_cnn_active_set_reset(ss_model *model)
         return;
     }
     for (int32_t k = 0; k < set->block_count; ++k) {
-        set->rank[k] = set->is_pinned[k] ? ACTIVE : FAR;
+        set->distance[k] = set->is_pinned[k] ? ACTIVE : FAR;
     }
     memset(set->y, 0, sizeof set->y);
     memset(set->w, 0, sizeof set->w);
@@ -517,7 +518,7 @@ void ss_cnn_active_set_fill(const ss_model *model)
     }
 }
 
-/* ---- which blocks ---- */
+/* ---- choice of blocks ---- */
 
 /* Forces that the far field does not have, into model->product: loads, and -c1 L u. */
 static void find_drives(ss_model *model, const ss_cnn_part *part)
@@ -561,7 +562,7 @@ static void find_unrest(ss_model *model)
     const int32_t end = (int32_t)ss_cnn_padded(model->node_count);
     for (int32_t k = 0; k < set->block_count; ++k) {
         const int32_t first = k * set->block_size, next = first + set->block_size;
-        if (set->rank[k] <= BESIDE) {
+        if (set->distance[k] <= BESIDE) {
             kernels->watch(first, next < end ? next : end, set->rate2, model->u, model->v,
                            model->us, model->vs[0], model->product, model->mobility,
                            &set->unrest[k]);
@@ -581,7 +582,7 @@ static void wake_block(ss_model *model, int32_t k)
                            model->u, model->v);
     memset(model->u_low + 4 * (ptrdiff_t)first, 0,
            (size_t)(next - first) * 4 * sizeof *model->u_low);
-    set->rank[k] = ACTIVE;
+    set->distance[k] = ACTIVE;
 }
 
 /* How far the far field by itself would take a node of block `k` out of its place, m^2: as much as
@@ -590,14 +591,16 @@ static void wake_block(ss_model *model, int32_t k)
 static double far_drive(const ss_model *model, int32_t k)
 {
     const ss_cnn_active_set *set = model->set;
-    const ss_cnn_bend *bend = set->bend + (ptrdiff_t)k * model->source_count * set->mode_count;
+    const ss_cnn_mode_error *mode_error =
+        set->mode_error + (ptrdiff_t)k * model->source_count * set->mode_count;
     double rough = 0.0, mean = 0.0;
     for (int32_t s = 0; s < model->source_count; ++s) {
         const double c1 = model->source[s].is_on ? model->source[s].c1 : 0.0;
-        for (int32_t l = 0; l < set->mode_count; ++l, ++bend) {
-            const double y = fabs(set->y[l]), alone = c1 * bend->alone;
-            rough += alone > 0.0 ? y * alone * bend->shared / (alone + bend->shared) : 0.0;
-            mean += y * c1 * bend->mean;
+        for (int32_t l = 0; l < set->mode_count; ++l, ++mode_error) {
+            const double y = fabs(set->y[l]), alone = c1 * mode_error->alone;
+            rough +=
+                alone > 0.0 ? y * alone * mode_error->shared / (alone + mode_error->shared) : 0.0;
+            mean += y * c1 * mode_error->mean;
         }
     }
     return fmax(rough, mean) * fmax(rough, mean);
@@ -628,7 +631,7 @@ bool ss_cnn_active_set_look(ss_model *model)
     find_unrest(model);
     double largest = set->floor * set->floor;
     for (int32_t k = 0; k < set->block_count; ++k) {
-        largest = set->rank[k] == ACTIVE ? fmax(largest, set->unrest[k].displacement) : largest;
+        largest = set->distance[k] == ACTIVE ? fmax(largest, set->unrest[k].displacement) : largest;
     }
     const double wake = set->tolerance * set->tolerance * largest;
     const double rest = STILL_SHARE * STILL_SHARE * wake;
@@ -636,12 +639,12 @@ bool ss_cnn_active_set_look(ss_model *model)
     for (int32_t k = 0; k < set->block_count; ++k) {
         const ss_cnn_unrest *unrest = &set->unrest[k];
         const double far = far_drive(model, k);
-        if (set->rank[k] == ACTIVE && !set->is_pinned[k] && unrest->motion < rest &&
+        if (set->distance[k] == ACTIVE && !set->is_pinned[k] && unrest->motion < rest &&
             unrest->drive < rest && far < rest) {
-            set->rank[k] = FAR;
+            set->distance[k] = FAR;
             is_changed = true;
-        } else if (set->rank[k] != ACTIVE &&
-                   (far > wake || (set->rank[k] == BESIDE && unrest->drive > wake))) {
+        } else if (set->distance[k] != ACTIVE &&
+                   (far > wake || (set->distance[k] == BESIDE && unrest->drive > wake))) {
             wake_block(model, k);
             is_changed = true;
         }

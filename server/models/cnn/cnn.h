@@ -95,9 +95,9 @@ typedef struct ss_cnn_source {
     ss_real *r;
     double far; /* u.b of the nodes that do not move by themselves */
     double eps, eta;
-    double stretch; /* the part of eps+ that acts: I_eff / E^ */
-    double c1, c2;  /* T + a T0, a T0 */
-    double rank;    /* a E^ where the strain term acts, else 0 */
+    double stretch;        /* the part of eps+ that acts: I_eff / E^ */
+    double c1, c2;         /* T + a T0, a T0 */
+    double strain_modulus; /* a E^ where the strain term acts, else 0 */
 } ss_cnn_source;
 
 /* Sources of loads and patches that may saturate together; more are refused. */
@@ -158,9 +158,9 @@ enum { SS_CNN_MAX_MODES = 8 };
 
 /* Of a block: the largest |L_k u| / ks and |L_k u| / D_k, and their mean over its nodes, for the u
  * of a mode of unit size. */
-typedef struct ss_cnn_bend {
+typedef struct ss_cnn_mode_error {
     double alone, shared, mean;
-} ss_cnn_bend;
+} ss_cnn_mode_error;
 
 typedef struct ss_cnn_active_set {
     int32_t block_count, block_size;
@@ -169,9 +169,9 @@ typedef struct ss_cnn_active_set {
     double damping_rate, rate2; /* gamma/m and ks/m of every node, 1/s and 1/s^2 */
     int32_t *near_first, *near; /* blocks that share an edge with a block; block_count + 1 */
     uint8_t *is_pinned;         /* blocks with loaded or prescribed nodes */
-    uint8_t *rank;              /* 0 a block that moves by itself, 1 and 2 beside such, else 3 */
-    ss_cnn_unrest *unrest;      /* of blocks of rank 0 and 1, when looked at */
-    ss_cnn_part active, beside, rim, still; /* rank 0; 1; 1 and 2; 1 to 3 */
+    uint8_t *distance;          /* 0 a block that moves by itself, 1 and 2 beside such, else 3 */
+    ss_cnn_unrest *unrest;      /* of blocks of distance 0 and 1, when looked at */
+    ss_cnn_part active, beside, rim, still; /* distance 0; 1; 1 and 2; 1 to 3 */
     int32_t seam_count, *seam;              /* still nodes beside an active one, number x 4 */
     uint8_t *is_seam;                       /* by node */
     int32_t active_nodes;
@@ -185,8 +185,8 @@ typedef struct ss_cnn_active_set {
     double old_y[SS_CNN_MAX_MODES], old_w[SS_CNN_MAX_MODES];
     double now_y[SS_CNN_MAX_MODES], now_w[SS_CNN_MAX_MODES]; /* at the evaluation under way */
     double sum_y[SS_CNN_MAX_MODES], sum_w[SS_CNN_MAX_MODES]; /* of the stages */
-    double *gram;      /* sum f_m.f_l / m of a block, mode_count^2 of each */
-    ss_cnn_bend *bend; /* source_count x mode_count of each block */
+    double *gram;                  /* sum f_m.f_l / m of a block, mode_count^2 of each */
+    ss_cnn_mode_error *mode_error; /* source_count x mode_count of each block */
     double shared[SS_CNN_MAX_MODES][SS_CNN_MAX_MODES]; /* the same of all still blocks */
 } ss_cnn_active_set;
 
@@ -215,7 +215,7 @@ struct ss_model {
     ss_cnn_part whole;         /* all nodes and rows that may move */
     const ss_cnn_part *part;   /* those that a step works on: all, or the active set's */
     ss_cnn_active_set *set;    /* NULL: none */
-    const char *window_reason; /* why there is none */
+    const char *no_set_reason; /* why there is no active set */
     /* per node, for the kernels */
     ss_real *mass, *damping, *rest_stiffness;
     ss_real *mobility, *normal; /* quads; normal NULL without B */

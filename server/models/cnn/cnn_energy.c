@@ -407,7 +407,7 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
     }
     if (model->set) {
         const ss_cnn_active_set *set = model->set;
-        hash = ss_hash_bytes(hash, set->rank, (size_t)set->block_count);
+        hash = ss_hash_bytes(hash, set->distance, (size_t)set->block_count);
         hash = ss_hash_bytes(hash, set->y, sizeof set->y);
         hash = ss_hash_bytes(hash, set->w, sizeof set->w);
         hash = ss_hash_bytes(hash, &set->age, sizeof set->age);

@@ -8,11 +8,11 @@
  * stiffness in series with the body. With c the force on the nodes and k_cc that on the tool for
  * a unit motion of the tool along n, and H the body's static tangent
  *
- *   H = ks + sum_k [ c1_k L_k + rank_k r_k r_k' ] + (B/V0) N N'
+ *   H = ks + sum_k [ c1_k L_k + m_k r_k r_k' ] + (B/V0) N N'
  *        + kc sum_q A_q c'(d_q) B_q n_q n_q' B_q' + k
  *
- * (weights held, L_k the Laplacian of kap_k; c as contact/query.c has it; k: grasp springs), any
- * motion y of the nodes gives
+ * (weights held, L_k the Laplacian of kap_k, m_k its strain_modulus; c as contact/query.c has it;
+ * k: grasp springs), any motion y of the nodes gives
  *
  *   k(y) = k_cc - 2 c.y + y.H y  >=  k_cc - c.H^-1 c
  *
@@ -69,10 +69,10 @@ static double apply_tangent(ss_model *model, const ss_real *x, ss_real *out)
                                first ? model->us : NULL, out);
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_source *source = ss_cnn_source_on(model, k);
-        if (source && source->rank > 0.0) {
+        if (source && source->strain_modulus > 0.0) {
             const double along = kernels->dot(part, source->r, x);
-            kernels->axpy(part, source->rank * along, source->r, out);
-            square += source->rank * along * along;
+            kernels->axpy(part, source->strain_modulus * along, source->r, out);
+            square += source->strain_modulus * along * along;
         }
     }
     return square + ss_cnn_enclosed_tangent(model, x, out);
@@ -240,7 +240,7 @@ static double rest_compliance(ss_model *model, ss_cnn_tool *tool, const double *
     model->kernels->scatter(&model->network->rows, &model->whole, source->kap_edge, source->kap,
                             source->b);
     source->c1 = source->c2 = model->material.pretension;
-    source->rank = 0.0;
+    source->strain_modulus = 0.0;
     source->is_on = true;
     ss_cnn_set_bound(model);
     set_inverse(model);

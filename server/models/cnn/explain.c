@@ -187,9 +187,9 @@ static void explain_network(const ss_model *model, const ss_notes *out)
         ss_note_left_out(out, "the network's own time", NULL, "solver is equilibrium");
     }
     if (model->relax) {
-        ss_note_left_out(out, "settled columns", NULL, "solver is relaxation");
+        ss_note_left_out(out, "settled influence functions", NULL, "solver is relaxation");
     } else if (network->influence_count > 0) {
-        ss_note_used(out, "columns", "%d, %s, %.1f MB", network->influence_count,
+        ss_note_used(out, "influence functions", "%d, %s, %.1f MB", network->influence_count,
                      network->is_compact ? "as potentials, rebuilt when a cell is touched"
                                          : "as flux densities",
                      megabytes((double)ss_cnn_network_influence_bytes(network)));
@@ -206,12 +206,12 @@ static void explain_network(const ss_model *model, const ss_notes *out)
     }
     if (model->set) {
         ss_note_used(
-            out, "window",
+            out, "active set",
             "%d blocks of %d nodes, %d active at rest, tolerance %g of the largest displacement",
             model->set->block_count, model->set->block_size, model->set->active_nodes,
             model->set->tolerance);
     } else {
-        ss_note_left_out(out, "active window", NULL, "%s", model->window_reason);
+        ss_note_left_out(out, "active set", NULL, "%s", model->no_set_reason);
     }
     ss_note_used(out, "kernels", "%s, %s", model->kernels->name,
                  sizeof(ss_real) == sizeof(float) ? "single precision" : "double precision");

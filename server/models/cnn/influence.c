@@ -191,12 +191,13 @@ static softsim_status allocate_influence(ss_cnn_network *network, bool is_kept, 
     }
     const int64_t bytes = ss_cnn_network_influence_bytes(network);
     if (bytes > SS_CNN_INFLUENCE_BYTES) {
-        softsim_error_add(error, SOFTSIM_ERROR_UNSUPPORTED,
-                          "cnn-energy: tools need the columns of %d cells, %lld MB, and %lld MB is "
-                          "the limit (about %d nodes): use a coarser surface",
-                          network->influence_count, (long long)(bytes >> 20),
-                          (long long)(SS_CNN_INFLUENCE_BYTES >> 20),
-                          (int)sqrt((double)SS_CNN_INFLUENCE_BYTES / (double)sizeof(ss_real)));
+        softsim_error_add(
+            error, SOFTSIM_ERROR_UNSUPPORTED,
+            "cnn-energy: tools need the influence functions of %d cells, %lld MB, and %lld MB is "
+            "the limit (about %d nodes): use a coarser surface",
+            network->influence_count, (long long)(bytes >> 20),
+            (long long)(SS_CNN_INFLUENCE_BYTES >> 20),
+            (int)sqrt((double)SS_CNN_INFLUENCE_BYTES / (double)sizeof(ss_real)));
         return SOFTSIM_ERROR_UNSUPPORTED;
     }
     const int64_t kept = (int64_t)SS_CNN_CACHE_SLOTS * (int64_t)(padded * sizeof(ss_real));

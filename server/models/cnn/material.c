@@ -104,11 +104,11 @@ const ss_param_row ss_cnn_rows_table[SS_CNN_ROW_COUNT] = {
         SS_PARAM(INTEGER, "relaxation_steps",
                  "steps of the network's own time a sub-step, with solver: relaxation",
                  SS_FROM(1.0, 10000.0), .fallback = 10.0),
-    [SS_CNN_WINDOW_TOLERANCE] =
-        SS_PARAM(NUMBER, "window_tolerance",
-                 "nodes of a large body that follow the far field within this share of the largest "
-                 "displacement take no step of their own; 0: all nodes do",
-                 SS_FROM(0, 0.01), .fallback = 8e-5),
+    [SS_CNN_WINDOW_TOLERANCE] = /* the active set's; scenes have this name */
+    SS_PARAM(NUMBER, "window_tolerance",
+             "nodes of a large body that follow the far field within this share of the largest "
+             "displacement take no step of their own; 0: all nodes do",
+             SS_FROM(0, 0.01), .fallback = 8e-5),
 };
 
 /* ---- values a node ---- */

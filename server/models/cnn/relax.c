@@ -202,7 +202,7 @@ void ss_cnn_relax_reset(ss_cnn_relax *relax)
     }
 }
 
-/* ---- which cells are in use ---- */
+/* ---- cells in use ---- */
 
 void ss_cnn_relax_look(ss_cnn_relax *relax)
 {

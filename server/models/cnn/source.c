@@ -147,7 +147,7 @@ void ss_cnn_source_set_stretch(const ss_model *model, ss_cnn_source *source, dou
     source->stretch = stretch;
     source->c2 = source->amplitude * model->material.pretension;
     source->c1 = source->amplitude * source->modulus * stretch + source->c2;
-    source->rank = is_free ? source->amplitude * source->modulus : 0.0;
+    source->strain_modulus = is_free ? source->amplitude * source->modulus : 0.0;
 }
 
 /* b R^T of a free body: L (R P0 + t) = R L P0. */

@@ -92,8 +92,9 @@ static double add_source_stiffness(ss_model *model, const ss_cnn_source *source)
     if (source->c1 > 0.0) {
         kernels->add_rows(model->part, 2.0 * source->c1, source->b, model->stiff);
     }
-    return source->rank > 0.0
-               ? source->rank * kernels->weighted_square(model->part, source->r, model->mobility)
+    return source->strain_modulus > 0.0
+               ? source->strain_modulus *
+                     kernels->weighted_square(model->part, source->r, model->mobility)
                : 0.0;
 }
 
@@ -127,8 +128,8 @@ void ss_cnn_set_bound(ss_model *model)
     for (int32_t k = 0; k < model->source_count + SOFTSIM_MAX_PROBES; ++k) {
         const ss_cnn_source *source = ss_cnn_source_on(model, k);
         omega2 += source ? add_source_stiffness(model, source) : 0.0;
-        omega2 += source && source->rank > 0.0
-                      ? source->rank * ss_cnn_active_set_stiffness(model, k)
+        omega2 += source && source->strain_modulus > 0.0
+                      ? source->strain_modulus * ss_cnn_active_set_stiffness(model, k)
                       : 0.0;
     }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
@@ -645,8 +646,8 @@ static void relax_network(ss_model *model, double path)
     model->work += energy_balance(model) - before;
 }
 
-/* Blocks that became active or still; what that changes in the energy is lost. */
-static void move_window(ss_model *model, double path)
+/* The active set follows the load; the energy that a change of it costs is booked as lost. */
+static void move_active_set(ss_model *model, double path)
 {
     if (ss_cnn_active_set_look(model)) {
         const double before = energy_balance(model);
@@ -703,7 +704,7 @@ static bool try_substep(ss_model *model, progress *p)
     if (model->relax) {
         relax_network(model, next);
     }
-    move_window(model, next);
+    move_active_set(model, next);
     p->steps.left -= h;
     p->steps.path = next;
     p->cap = 2.0 * fmin(p->cap, (double)FLT_MAX);

@@ -296,7 +296,7 @@ const ss_body_nodes *ss_body_read_nodes(const ss_body *body)
     return &body->nodes;
 }
 
-/* ---- what it says of itself ---- */
+/* ---- report ---- */
 
 void ss_body_judge(ss_body *body, softsim_verdict verdict, uint32_t fault_bits, const char *reason)
 {

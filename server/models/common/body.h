@@ -195,7 +195,7 @@ void ss_body_reset(ss_body *body);
 /* Lines about masses, tools, contact stiffness, what is left out. Thread: set-up only. */
 void ss_body_explain(const ss_body *body, const ss_notes *out);
 
-/* ---- what a model says about itself ---- */
+/* ---- report of a model ---- */
 
 /* Something acted: raises the verdict of the present step to at least `verdict` and sets its reason
  * (static text) and fault bits. */

@@ -241,21 +241,21 @@ static void clamp_displacements(ss_body *body)
     }
 }
 
-/* Spurious energy over the last outer step, judged. `gain`: of the energy balance; `moved`: of
- * kinetic energy beyond all that there was and the work. */
-static void judge_gain(ss_body *body, double gain, double moved, double dt)
+/* Spurious energy over the last outer step, judged. `gain`: of the energy balance;
+ * `kinetic_gain`: of kinetic energy beyond all that there was and the work. */
+static void judge_gain(ss_body *body, double gain, double kinetic_gain, double dt)
 {
     const double most = MAX_SILENT_GAIN * (body->elastic + body->kinetic) + body->small_energy;
     if (!body->is_explicit && (gain < 0.0 || body->elastic_is_upper_bound)) {
         body->dissipated -= gain; /* what such a method loses by its nature */
-        gain = fmax(0.0, moved);
+        gain = fmax(0.0, kinetic_gain);
     }
     /* The method's own energy cannot tell that a step is too long: its two halves then grow with
      * opposite signs. */
     const double unstable = body->shadow - MAX_SHADOW * (body->elastic + body->kinetic);
     gain += fmax(0.0, unstable);
     body->pool = ss_plan_pool_gain(body->pool, gain, most, dt);
-    body->removed = ss_plan_pool_gain(body->removed, 0.0, 0.0, dt);
+    body->removed = ss_plan_pool_gain(body->removed, 0.0, 0.0, dt); /* without a gain: decays */
     if (body->is_explicit && body->pool < -0.999 * most) {
         ss_body_judge(body, SOFTSIM_VERDICT_GUARDED, 0,
                       "sub-steps were long enough to lose energy");
@@ -364,12 +364,12 @@ static bool substep(ss_body *body, ss_substeps *p)
     body->path = p->path;
     place_prescribed(body, p->path, fraction, h, true);
     book_load(body, 0.5 * h * ss_body_prescribed_power(body));
-    const double told = fmin(h, fmax(0.0, MEAN_TIME - (p->left - h)));
+    const double averaged = fmin(h, fmax(0.0, MEAN_TIME - (p->left - h)));
     if (has_implicit_contact(body)) {
         move_tools(body, next);
     } else {
         body->work += 0.5 * fraction * ss_tools_work(&body->tools);
-        ss_tools_add_mean(&body->tools, 0.5 * told);
+        ss_tools_add_mean(&body->tools, 0.5 * averaged);
     }
     const bool is_finite = advance(body, h, p->path, fraction, next);
     place_prescribed(body, next, fraction, h, false);
@@ -382,7 +382,7 @@ static bool substep(ss_body *body, ss_substeps *p)
     p->path = next;
     if (is_finite) {
         evaluate(body, next, !has_step_left(p));
-        ss_tools_add_mean(&body->tools, (has_implicit_contact(body) ? 1.0 : 0.5) * told);
+        ss_tools_add_mean(&body->tools, (has_implicit_contact(body) ? 1.0 : 0.5) * averaged);
         ss_tools_accept_fade(&body->tools, true, &body->dissipated);
         book_load(body, 0.5 * h * ss_body_prescribed_power(body));
         if (!has_implicit_contact(body)) {

@@ -56,7 +56,7 @@ softsim_status ss_fem_create(const ss_fem_setup *setup, ss_fem **out_fem)
     return SOFTSIM_OK;
 }
 
-/* ---- what it says ---- */
+/* ---- report ---- */
 
 void ss_fem_work(ss_tissue_kind kind, bool is_viscous, double *out_bytes, double *out_flops)
 {
@@ -94,8 +94,8 @@ void ss_fem_explain(const ss_fem *fem, const ss_fem_material *material, const ss
         ss_note_left_out(out, "velocity pass", SS_PLAN_PUT_BACK_VISCOSITY, "no viscosity");
     }
     ss_note_used(out, "stable step of the elastic body",
-                 "%.4g s by power iteration, of which half is taken; assembled bound %.4g s%s",
-                 ss_fem_rest_step(fem), ss_fem_step_limit(fem, s->rest_bound),
+                 "%.4g s by power iteration, of which %.2g is taken; assembled bound %.4g s%s",
+                 ss_fem_rest_step(fem), SS_FEM_STEP_SHARE, ss_fem_step_limit(fem, s->rest_bound),
                  s->rest_rate2 >= s->rest_bound ? " (is taken)" : "");
 }
 

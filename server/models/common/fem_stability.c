@@ -20,15 +20,15 @@
  *                     omega_e^2 is the largest eigenvalue of the 6 x 6 matrix V C^1/2 B M_e^-1 B^T
  *                     C^1/2, taken from above as tr(A^64)^(1/64). At rest 0.57 to 0.77 of dt*.
  *
- * Sub-steps take half the reported step, which therefore also satisfies the assembled bound. As the
- * body stretches the bound grows at most as fem_kernels.c (growth) says, which costs nothing to
- * follow for the body as a whole (force sweeps report the largest strain) and one sweep element by
- * element, done only where the first would cost steps; every POWER_STEP_INTERVAL steps, or where
- * strains have changed, the power iteration takes one more step from where it was. With the cure
- * for locking the bound is that of the elements' own part plus that of the nodes' (fem_average.c),
- * exact at rest; where the elements of a node are stretched unlike one another the power iteration
- * alone sees it. The laws of J have no such rule of growth: there, too, it is the power iteration,
- * which steps more often.
+ * Sub-steps take SS_FEM_STEP_SHARE of the reported step, which therefore also satisfies the
+ * assembled bound. As the body stretches the bound grows at most as fem_kernels.c (growth) says,
+ * which costs nothing to follow for the body as a whole (force sweeps report the largest strain)
+ * and one sweep element by element, done only where the first would cost steps; every
+ * POWER_STEP_INTERVAL steps, or where strains have changed, the power iteration takes one more step
+ * from where it was. With the cure for locking the bound is that of the elements' own part plus
+ * that of the nodes' (fem_average.c), exact at rest; where the elements of a node are stretched
+ * unlike one another the power iteration alone sees it. The laws of J have no such rule of growth:
+ * there, too, it is the power iteration, which steps more often.
  *
  * The paper's eq. (14) is no bound: as printed it is 1.02 times dt* on HM2 (softsim-bench paper
  * hybrid has it on four bodies, by four readings).

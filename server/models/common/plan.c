@@ -143,7 +143,7 @@ double ss_prescribed_set_place(const ss_prescribed_set *prescribed, double path,
     return work;
 }
 
-/* ---- what is refused ---- */
+/* ---- refusals ---- */
 
 typedef struct checker {
     const ss_model_plan *plan;

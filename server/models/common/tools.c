@@ -282,7 +282,7 @@ double ss_tools_friction_loss(const ss_tools *tools)
     return lost;
 }
 
-/* ---- what a tool presses ---- */
+/* ---- penalty and grasp ---- */
 
 void ss_tool_rub(ss_tool *tool, const double penalty[3], const double beside[3], ss_real *force)
 {
@@ -389,7 +389,7 @@ uint64_t ss_tool_hash_felt(const ss_tool *tool, uint64_t hash)
                             : hash;
 }
 
-/* ---- what the hand is told ---- */
+/* ---- felt contact ---- */
 
 ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out)
 {

@@ -7,14 +7,14 @@
  * stiff both are, and what of it the hand is told.
  *
  * A tool presses with the penalty of its samples and the springs of its grasp, one potential of
- * `penalty` + share x square J (contact.h, grasp.h). Its stiffness is K_c: C x of a motion x of the
- * nodes, its rows' bounds D, and c, the force on the nodes for a unit motion of the tool along n,
- * k_cc that on the tool. Arrays are quads of the surface's nodes.
- * Where the scene has friction a tool that holds nothing also rubs (contact/friction.c): part of
- * its force and stiffness, but not of the potential; what it loses is booked when a place is kept.
- * Models keep what is their own of a tool beside it, under the same number.
- * Memory: the arena's, but for touches and surface, which ss_tools_fini releases. Thread: create,
- * open and fini set-up only; the rest by the simulation thread, RT-safe.
+ * `penalty` + share x square J (contact.h, grasp.h). Its stiffness is K_contact: C x of a motion x
+ * of the nodes, its rows' bounds D, and c, the force on the nodes for a unit motion of the tool
+ * along n, k_cc that on the tool. Arrays are quads of the surface's nodes. Where the scene has
+ * friction a tool that holds nothing also rubs (contact/friction.c): part of its force and
+ * stiffness, but not of the potential; what it loses is booked when a place is kept. Models keep
+ * what is their own of a tool beside it, under the same number. Memory: the arena's, but for
+ * touches and surface, which ss_tools_fini releases. Thread: create, open and fini set-up only; the
+ * rest by the simulation thread, RT-safe.
  */
 #include "models/common/grasp.h"
 #include "rt/note.h"
@@ -113,7 +113,7 @@ double ss_tools_keep_friction(ss_tools *tools);
 /* What keeping them there would lose, J. */
 double ss_tools_friction_loss(const ss_tools *tools);
 
-/* ---- what a tool presses ---- */
+/* ---- penalty and grasp ---- */
 
 /* Evaluates at `pose` and displacements u: the tool's force is set, the nodes' added to `force`
  * (NULL: the penalty's are not wanted) and `grasp_force`. */
@@ -140,7 +140,7 @@ double ss_tool_push(const ss_tool *tool, const double normal[3], ss_real *push);
 void ss_tool_set_felt(ss_tool *tool, double felt, double k_cc);
 uint64_t ss_tool_hash_felt(const ss_tool *tool, uint64_t hash);
 
-/* ---- what the hand is told ---- */
+/* ---- felt contact ---- */
 
 /* Tool `probe` with an empty set, or NULL where there is none present. */
 ss_tool *ss_tools_find(ss_tools *tools, int32_t probe, ss_contact_set *out);

@@ -53,7 +53,7 @@
     const kernels SS_KERNELS_HERE(kernels) = {.name = SS_KERNELS_NAME, __VA_ARGS__}
 #define SS_KERNEL_TABLE_512(kernels, ...) SS_KERNEL_TABLE(kernels, __VA_ARGS__)
 
-/* ---- what vectors of every width do ---- */
+/* ---- vectors of every width ---- */
 
 /* Lane by lane: loaded, stored, computed with; fma is a b + c, fnma is c - a b. */
 #define SS_VECTOR(vector, fused, fused_negative)                                                   \

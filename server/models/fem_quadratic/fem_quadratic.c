@@ -5,7 +5,7 @@
  * fem-quadratic: a volume of ten-node tetrahedra with split volume energy, explicit in time.
  *
  * Displacements are quadratic in each element: u = sum_a N_a u_a, corners N_k = l_k (2 l_k - 1),
- * sides N_kj = 4 l_k l_j. A linear tetrahedron has one constant strain, which bends and squeezes
+ * edges N_kj = 4 l_k l_j. A linear tetrahedron has one constant strain, which bends and squeezes
  * too stiffly while the mesh is coarse; this one has strains that vary linearly, for ten nodes and
  * a longer step at the same error.
  *
@@ -24,7 +24,7 @@
  * parabola a tangled body is thrown apart.
  *
  * The rest: explicit total Lagrangian dynamics (Miller et al. 2007), masses in mass.c, forces in
- * kernels.c, the nodes on sides in raise.c, the stable step in stability.c; everything else, tools
+ * kernels.c, the mid-edge nodes in raise.c, the stable step in stability.c; everything else, tools
  * and loads and supports, is ss_body on the raised mesh.
  */
 #include <math.h>
@@ -61,8 +61,8 @@ static const ss_param_row rows[ROW_COUNT] = {
                               "shortest step",
                               SS_FROM(0.0, 0.2), .fallback = 0.025),
     [CURVED] = SS_PARAM(CHOICE, "curved",
-                        "auto: sides go through the nodes that a mesh of second order has in their "
-                        "middle, else those of the surface follow object.surface, or its own "
+                        "auto: edges go through the mid-edge nodes of a mesh of second order, "
+                        "else those of the surface follow object.surface, or its own "
                         "normals where it is smooth; no: all are straight",
                         .range.max = 1.0, .choices = "auto|no"),
 };
@@ -153,12 +153,11 @@ static softsim_status build(ss_model *model, const ss_model_plan *plan, softsim_
         ss_fem_material_read(plan, "fem-quadratic", &model->arena, &model->material, error);
     if (status == SOFTSIM_OK && plan->surface &&
         (plan->mesh->middle || plan->param[CURVED].number != 0.0)) {
-        softsim_error_add(
-            error, SOFTSIM_ERROR_SCENE, "fem-quadratic: object.surface %s",
-            plan->mesh->middle
-                ? "is for a mesh of first order, and this one has nodes of its own in "
-                  "the middle of sides: leave one of the two out"
-                : "is followed by curved sides: leave it out, or curved: no");
+        softsim_error_add(error, SOFTSIM_ERROR_SCENE, "fem-quadratic: object.surface %s",
+                          plan->mesh->middle
+                              ? "is for a mesh of first order, and this one has mid-edge nodes of "
+                                "its own: leave one of the two out"
+                              : "is followed by curved edges: leave it out, or curved: no");
         status = SOFTSIM_ERROR_SCENE;
     }
     if (status == SOFTSIM_OK) {
@@ -237,15 +236,15 @@ static void explain(const ss_model *model, const ss_notes *out)
                  "sweep where straight",
                  own->blocks.element_count, ss_tissue_name(own->kind), own->blocks.node_count,
                  model->raised.given_count, own->kernels->name, bytes);
-    if (model->raised.curved_side_count > 0) {
-        ss_note_used(out, "curved sides", "%d %s, %d more would bend an element too far",
-                     model->raised.curved_side_count,
+    if (model->raised.curved_edge_count > 0) {
+        ss_note_used(out, "curved edges", "%d %s, %d more would bend an element too far",
+                     model->raised.curved_edge_count,
                      model->raised.is_second_order ? "go through the file's nodes"
                      : model->raised.plan.surface  ? "follow object.surface"
                                                    : "follow the surface's normals",
-                     model->raised.straightened_side_count);
+                     model->raised.straightened_edge_count);
     } else {
-        ss_note_left_out(out, "curved sides", NULL, "%s",
+        ss_note_left_out(out, "curved edges", NULL, "%s",
                          "none of the surface is smooth, or curved: no");
     }
     ss_note_used(
@@ -283,7 +282,7 @@ static const ss_hints_variant variants[] = {
 };
 static const ss_model_hints hints = {
     .colour = "#009e73",
-    .about = "solves the stated material on tetrahedra with a node on every side: the lowest error "
+    .about = "solves the stated material on tetrahedra with a node on every edge: the lowest error "
              "at a time budget",
     .has_force = true,
     .material = SS_HINTS_ANY_LAW,

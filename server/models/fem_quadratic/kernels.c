@@ -11,7 +11,7 @@
  *   H = sum_s (c_s - c_0) (grad l_s)^T
  *
  * At Gauss point q (l_q = a, the others b) all but one term of each c_k is the same for the four
- * points: c_k = base_k + 4 (a - b) w_kq, where w_kq is the node of side kq and w_kk corner k, and
+ * points: c_k = base_k + 4 (a - b) w_kq, where w_kq is the node of edge kq and w_kk corner k, and
  * base_k = (4 b - 1) u_k + 4 b sum_{j != k} u_kj. Displacements are relative to corner 0, so that
  * translation is free of rounding, and its force is minus the sum of the others: momentum is kept.
  * Forces are the exact transpose of these lines.
@@ -43,8 +43,8 @@ enum { RUN = 32 };
 enum { NODES = SS_QUADRATIC_NODES, POINTS = SS_QUADRATIC_POINTS, LANES = SS_FEM_LANES };
 enum { CURVED = SS_FEM_SHAPES + 1 }; /* values of a curved element's point */
 
-/* The node of side k-j, or corner k. */
-static const int side[4][4] = {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}};
+/* The node of edge k-j, or corner k. */
+static const int edge[4][4] = {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}};
 
 /* SS_WIDE_LANES elements of a block. */
 typedef struct cell {
@@ -91,7 +91,7 @@ SS_INLINE void set_base(nodal *out)
     }
     UNROLL(4)
     for (int k = 0; k < 4; ++k) {
-        const int *s = side[k];
+        const int *s = edge[k];
         for (int i = 0; i < 3; ++i) {
             const ss_wide sum = (out->node[s[(k + 1) % 4]][i] + out->node[s[(k + 2) % 4]][i]) +
                                 out->node[s[(k + 3) % 4]][i];
@@ -139,7 +139,7 @@ SS_INLINE tensor point_gradient(const element *e, const nodal *field, int q)
     ss_wide d[3][3]; /* at -O3 unrolled without being asked, with the same code */
     for (int s = 0; s < 3; ++s) {
         for (int i = 0; i < 3; ++i) {
-            const ss_wide change = field->node[side[s + 1][q]][i] - field->node[side[0][q]][i];
+            const ss_wide change = field->node[edge[s + 1][q]][i] - field->node[edge[0][q]][i];
             d[s][i] = ss_wide_fma(all(STEP), change, field->base[s][i]);
         }
     }
@@ -176,7 +176,7 @@ SS_INLINE void add_point(const element *e, const tensor *p, int q, columns *f)
     for (int k = 0; k < 4; ++k) {
         for (int i = 0; i < 3; ++i) {
             f->sum[k][i] = f->sum[k][i] + column[k][i];
-            f->node[side[k][q]][i] = ss_wide_fma(all(STEP), column[k][i], f->node[side[k][q]][i]);
+            f->node[edge[k][q]][i] = ss_wide_fma(all(STEP), column[k][i], f->node[edge[k][q]][i]);
         }
     }
 }
@@ -191,7 +191,7 @@ SS_INLINE ss_wide force_at(const columns *f, int n, int i)
     UNROLL(4)
     for (int k = 0; k < 4; ++k) {
         for (int j = k + 1; j < 4; ++j) {
-            if (side[k][j] == n) {
+            if (edge[k][j] == n) {
                 x = ss_wide_fma(all(4.0 * FAR), f->sum[k][i] + f->sum[j][i], x);
             }
         }

@@ -13,7 +13,7 @@
  */
 #include "models/common/fem_kernels.h"
 
-/* An element's nodes: corners 0 to 3, then the sides 01, 02, 03, 12, 13, 23. */
+/* An element's nodes: corners 0 to 3, then the edges 01, 02, 03, 12, 13, 23. */
 enum {
     SS_QUADRATIC_NODES = 10,
     SS_QUADRATIC_SIDES = 6,
@@ -62,7 +62,7 @@ typedef struct ss_quadratic_kernels {
     /* out += K x, K the exact tangent at u (viscosity left out). */
     void (*tangent)(ss_quadratic_pass *pass);
     /* A step of power iteration in each element by itself, with its own tangent at u and its own
-     * part of the mass, 1/(36 light) on a corner and 4/(27 light) on a side: mode := M^-1 K mode,
+     * part of the mass, 1/(36 light) on a corner and 4/(27 light) on an edge: mode := M^-1 K mode,
      * normed to mode.M mode = 1, and the eigenvalue that it stands for into `rate`, from above. */
     void (*rate)(const ss_quadratic_pass *pass);
     /* The least J of each element's Gauss points: [count][8]. */

@@ -5,8 +5,8 @@
  * Masses on the nodes, and the step that they allow.
  *
  * Lumping of Hinton, Rock and Zienkiewicz (1976): the diagonal of the consistent mass matrix,
- * scaled so that the element keeps its mass: 1/36 of it on a corner, 4/27 on a side. Row sums would
- * be negative on corners.
+ * scaled so that the element keeps its mass: 1/36 of it on a corner, 4/27 on an edge. Row sums
+ * would be negative on corners.
  *
  * However the mass of each node is dealt out to its elements, omega^2 of the body is at most the
  * largest omega_e^2 of an element with its part (Fried 1972). Dealt out as it came from them, a
@@ -42,7 +42,7 @@ typedef struct dealing {
     double *rate2, *whole;              /* 1/s^2, kg: of each element */
 } dealing;
 
-/* ---- what elements come to ---- */
+/* ---- rates of elements ---- */
 
 static void set_light(dealing *d)
 {

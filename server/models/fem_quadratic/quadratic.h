@@ -5,7 +5,7 @@
  * A volume of ten-node tetrahedra as an elastic body: mesh, masses, forces, stable step. Private to
  * `fem-quadratic`; the method stands in fem_quadratic.c.
  *
- * raise.c makes the mesh with a node on every side out of the scene's, and the plan that speaks of
+ * raise.c makes the mesh with a node on every edge out of the scene's, and the plan that speaks of
  * it; blocks.c lays the elements out for kernels.c; mass.c has masses and how much of them is added
  * for the sake of the step; skin.c the surface that tools touch; stability.c the stable step.
  * Memory: in the arena given. Thread: what creates, set-up only; the rest by the simulation thread,
@@ -20,12 +20,12 @@
 
 /* ---- raise.c ---- */
 
-/* Of the longest side, or of its own: a middle that is nearer to the straight one is on it. */
+/* Of the longest edge, or of its own: a middle that is nearer to the straight one is on it. */
 #define SS_QUADRATIC_STRAIGHT 1e-9
 
 /* The scene's plan in terms of the raised mesh: its nodes are the given mesh's and then, where that
- * is of first order, one for each side of a tetrahedron; each triangle of its surface is one of the
- * four into which the middles of its sides cut a face (the i-th into 4i .. 4i + 3, the one in the
+ * is of first order, one for each edge of a tetrahedron; each triangle of its surface is one of the
+ * four into which the middles of its edges cut a face (the i-th into 4i .. 4i + 3, the one in the
  * middle last); tetrahedra are the given mesh's, by their corners. */
 typedef struct ss_quadratic_raised {
     ss_mesh mesh;
@@ -33,20 +33,20 @@ typedef struct ss_quadratic_raised {
     int32_t (*node)[SS_QUADRATIC_NODES]; /* of each tetrahedron, in the order of kernels.h */
     int32_t given_count;                 /* nodes of the given mesh */
     bool is_second_order;                /* that one is */
-    int32_t curved_side_count, straightened_side_count;
-    int32_t lost_side_count; /* sides of the surface that the finer one is nowhere near */
+    int32_t curved_edge_count, straightened_edge_count;
+    int32_t lost_edge_count; /* edges of the surface that the finer one is nowhere near */
 } ss_quadratic_raised;
 
-/* A node that is added is held, loaded or prescribed where both ends of its side are and the side
+/* A node that is added is held, loaded or prescribed where both ends of its edge are and the edge
  * lies on the surface, or where a whole tetrahedron around it is; what is prescribed there is the
- * smooth field through the nodes around it. `is_curved`: sides go through the middles of a mesh of
+ * smooth field through the nodes around it. `is_curved`: edges go through the middles of a mesh of
  * second order; else those of the surface follow the plan's finer one, or its own normals. */
 softsim_status ss_quadratic_raise(const ss_model_plan *plan, bool is_curved, ss_arena *arena,
                                   ss_quadratic_raised *out, softsim_error *error);
 
 /* ---- surface.c ---- */
 
-/* Moves each of `count` points, the straight middles of sides of `length` m, to the nearest point
+/* Moves each of `count` points, the straight middles of edges of `length` m, to the nearest point
  * of `surface`; one that has none within half of that stays, and is counted. False: out of memory.
  */
 bool ss_quadratic_follow(const ss_mesh *surface, int32_t count, const double *length,
@@ -60,7 +60,7 @@ typedef struct ss_quadratic_point {
     double volume;         /* m^3, what the point stands for */
 } ss_quadratic_point;
 
-/* The four points of the element with these nodes; true where its sides are straight. */
+/* The four points of the element with these nodes; true where its edges are straight. */
 bool ss_quadratic_points(const ss_mesh *mesh, const int32_t node[SS_QUADRATIC_NODES],
                          ss_quadratic_point out[SS_QUADRATIC_POINTS]);
 /* Gradients of the ten shape functions at Gauss point q. */

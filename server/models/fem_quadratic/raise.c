@@ -6,14 +6,14 @@
  * are those of the file, where the file has them, and what a plan says of nodes it says of these
  * too, so that nothing is added to it.
  *
- * Sides are numbered as the elements name them first, so that equal meshes give equal numbers and
+ * Edges are numbered as the elements name them first, so that equal meshes give equal numbers and
  * neighbours stay near in memory. Everything that a plan says of nodes is said of the new ones too;
  * the body, its contact and its loads then need to know nothing of the elements.
  *
- * Curved sides. Where the surface is smooth the middle of a side lies on the cubic with the ends'
- * positions and tangents, the side projected on their tangent planes (the edge of a curved PN
+ * Curved edges. Where the surface is smooth the middle of an edge lies on the cubic with the ends'
+ * positions and tangents, the edge projected on their tangent planes (the edge of a curved PN
  * triangle, Vlachos et al. 2001), at (a + b)/2 + (t_a - t_b)/8. A node's normal is the mean of its
- * triangles', weighted by their angles. A side stays straight where its two triangles, or a normal
+ * triangles', weighted by their angles. An edge stays straight where its two triangles, or a normal
  * and one of them, differ by more than CREASE: there the body has an edge. A mesh of second order
  * or a finer surface (surface.c) knows the true shape better; the mean of the surface's own facets
  * is what is always there.
@@ -27,30 +27,30 @@
 
 static const int ends[SS_QUADRATIC_SIDES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-/* cos 40 degrees: the sides of a solid's facets meet at less where it is meshed well. */
+/* cos 40 degrees: the edges of a solid's facets meet at less where it is meshed well. */
 #define CREASE 0.766
 /* An element whose Jacobian at a Gauss point is below this share of its mean stays straight. */
 #define LEAST_JACOBIAN 0.2
 
-/* Sides by their lower node: chains. */
-typedef struct sides {
+/* Edges by their lower node: chains. */
+typedef struct edges {
     int32_t node_count, count;
     int32_t *first, *next, *low, *high;
     int32_t *node; /* in the middle of each */
     uint8_t *is_surface;
-    int32_t *triangle; /* two of each side: -1 none */
-} sides;
+    int32_t *triangle; /* two of each edge: -1 none */
+} edges;
 
-static void sides_free(sides *s)
+static void edges_free(edges *s)
 {
     SS_EACH(ss_memory_free, s->first, s->next, s->low, s->high, s->node, s->is_surface,
             s->triangle);
 }
 
-static bool sides_init(sides *s, const ss_mesh *mesh)
+static bool edges_init(edges *s, const ss_mesh *mesh)
 {
     const size_t most = SS_QUADRATIC_SIDES * (size_t)mesh->tetrahedron_count;
-    *s = (sides){.node_count = mesh->node_count,
+    *s = (edges){.node_count = mesh->node_count,
                  .first = ss_memory_get((size_t)mesh->node_count, sizeof(int32_t)),
                  .next = ss_memory_get(most, sizeof(int32_t)),
                  .low = ss_memory_get(most, sizeof(int32_t)),
@@ -67,8 +67,8 @@ static bool sides_init(sides *s, const ss_mesh *mesh)
     return true;
 }
 
-/* The number of the side a-b, -1 if there is none yet. */
-static int32_t find(const sides *s, int32_t a, int32_t b)
+/* The number of the edge a-b, -1 if there is none yet. */
+static int32_t find(const edges *s, int32_t a, int32_t b)
 {
     const int32_t low = a < b ? a : b, high = a < b ? b : a;
     int32_t k = s->first[low];
@@ -78,7 +78,7 @@ static int32_t find(const sides *s, int32_t a, int32_t b)
     return k;
 }
 
-static int32_t add(sides *s, int32_t a, int32_t b)
+static int32_t add(edges *s, int32_t a, int32_t b)
 {
     int32_t k = find(s, a, b);
     if (k < 0) {
@@ -95,7 +95,7 @@ static int32_t add(sides *s, int32_t a, int32_t b)
 /* ---- the mesh ---- */
 
 /* Each triangle in four; false where the surface is not the elements'. */
-static bool split_surface(const ss_mesh *mesh, sides *s, int32_t (*out)[3])
+static bool split_surface(const ss_mesh *mesh, edges *s, int32_t (*out)[3])
 {
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *c = mesh->triangle[t];
@@ -155,8 +155,8 @@ static void node_normals(const ss_mesh *mesh, double (*out)[3])
     }
 }
 
-/* Moves the middle of side k off the straight one; false where it stays. */
-static bool curve_side(const ss_mesh *mesh, const sides *s, const double (*normal)[3], int32_t k,
+/* Moves the middle of edge k off the straight one; false where it stays. */
+static bool curve_edge(const ss_mesh *mesh, const edges *s, const double (*normal)[3], int32_t k,
                        double position[3])
 {
     const int32_t node[2] = {s->low[k], s->high[k]};
@@ -181,15 +181,15 @@ static bool curve_side(const ss_mesh *mesh, const sides *s, const double (*norma
     return is_smooth;
 }
 
-/* The straight middle of side k. */
-static void straight(const sides *s, const ss_mesh *mesh, int32_t k, double out[3])
+/* The straight middle of edge k. */
+static void straight(const edges *s, const ss_mesh *mesh, int32_t k, double out[3])
 {
     ss_add3(out, mesh->position[s->low[k]], mesh->position[s->high[k]]);
     ss_scale3(out, out, 0.5);
 }
 
-/* Sides of elements that would be bent too far become straight, all sides of such an element. */
-static void straighten(const sides *s, ss_quadratic_raised *raised, uint8_t *is_curved)
+/* Edges of elements that would be bent too far become straight, all edges of such an element. */
+static void straighten(const edges *s, ss_quadratic_raised *raised, uint8_t *is_curved)
 {
     ss_mesh *mesh = &raised->mesh;
     bool is_again = true;
@@ -199,11 +199,11 @@ static void straighten(const sides *s, ss_quadratic_raised *raised, uint8_t *is_
             ss_quadratic_point point[SS_QUADRATIC_POINTS];
             double least = (double)INFINITY, mean = 0.0;
             const int32_t *node = raised->node[t];
-            int32_t side[SS_QUADRATIC_SIDES];
+            int32_t edge[SS_QUADRATIC_SIDES];
             bool is_bent = false;
             for (int k = 0; k < SS_QUADRATIC_SIDES; ++k) {
-                side[k] = find(s, node[ends[k][0]], node[ends[k][1]]);
-                is_bent = is_bent || is_curved[side[k]];
+                edge[k] = find(s, node[ends[k][0]], node[ends[k][1]]);
+                is_bent = is_bent || is_curved[edge[k]];
             }
             if (!is_bent) {
                 continue;
@@ -217,21 +217,21 @@ static void straighten(const sides *s, ss_quadratic_raised *raised, uint8_t *is_
                 continue;
             }
             for (int k = 0; k < SS_QUADRATIC_SIDES; ++k) {
-                if (is_curved[side[k]]) {
-                    is_curved[side[k]] = 0;
+                if (is_curved[edge[k]]) {
+                    is_curved[edge[k]] = 0;
                     is_again = true;
-                    --raised->curved_side_count;
-                    ++raised->straightened_side_count;
-                    straight(s, mesh, side[k], mesh->position[s->node[side[k]]]);
+                    --raised->curved_edge_count;
+                    ++raised->straightened_edge_count;
+                    straight(s, mesh, edge[k], mesh->position[s->node[edge[k]]]);
                 }
             }
         }
     }
 }
 
-/* A side of a mesh of second order keeps the file's node where that is off the straight middle by
+/* An edge of a mesh of second order keeps the file's node where that is off the straight middle by
  * more than rounding. */
-static bool keep_side(const ss_mesh *given, const sides *s, int32_t k, double position[3])
+static bool keep_edge(const ss_mesh *given, const edges *s, int32_t k, double position[3])
 {
     double d[3], off[3];
     straight(s, given, k, position);
@@ -244,8 +244,8 @@ static bool keep_side(const ss_mesh *given, const sides *s, int32_t k, double po
     return is_off;
 }
 
-/* The sides of the surface go to a finer one. */
-static bool follow(const ss_mesh *given, const ss_mesh *surface, const sides *s,
+/* The edges of the surface go to a finer one. */
+static bool follow(const ss_mesh *given, const ss_mesh *surface, const edges *s,
                    ss_quadratic_raised *raised, uint8_t *is_curved)
 {
     double(*middle)[3] = ss_memory_get((size_t)s->count, sizeof *middle);
@@ -261,7 +261,7 @@ static bool follow(const ss_mesh *given, const ss_mesh *surface, const sides *s,
     }
     const bool is_good =
         middle && length &&
-        ss_quadratic_follow(surface, count, length, middle, &raised->lost_side_count);
+        ss_quadratic_follow(surface, count, length, middle, &raised->lost_edge_count);
     for (int32_t k = 0, at = 0; is_good && k < s->count; ++k) {
         if (s->is_surface[k]) {
             double *x = raised->mesh.position[s->node[k]], off[3];
@@ -276,7 +276,7 @@ static bool follow(const ss_mesh *given, const ss_mesh *surface, const sides *s,
 }
 
 /* Where normals or the mesh's own nodes lead. */
-static bool bend(const ss_mesh *given, const sides *s, ss_quadratic_raised *raised,
+static bool bend(const ss_mesh *given, const edges *s, ss_quadratic_raised *raised,
                  uint8_t *is_curved)
 {
     double(*normal)[3] = ss_memory_get((size_t)given->node_count, sizeof *normal);
@@ -288,15 +288,15 @@ static bool bend(const ss_mesh *given, const sides *s, ss_quadratic_raised *rais
             double *x = raised->mesh.position[s->node[k]];
             is_curved[k] =
                 given->middle
-                    ? keep_side(given, s, k, x)
-                    : s->is_surface[k] && curve_side(given, s, (const double(*)[3])normal, k, x);
+                    ? keep_edge(given, s, k, x)
+                    : s->is_surface[k] && curve_edge(given, s, (const double(*)[3])normal, k, x);
         }
     }
     ss_memory_free(normal);
     return normal != NULL;
 }
 
-static bool curve(const ss_model_plan *plan, const sides *s, ss_quadratic_raised *raised)
+static bool curve(const ss_model_plan *plan, const edges *s, ss_quadratic_raised *raised)
 {
     uint8_t *is_curved = ss_memory_get((size_t)s->count, 1);
     const bool is_good =
@@ -304,7 +304,7 @@ static bool curve(const ss_model_plan *plan, const sides *s, ss_quadratic_raised
                                     : bend(plan->mesh, s, raised, is_curved));
     if (is_good) {
         for (int32_t k = 0; k < s->count; ++k) {
-            raised->curved_side_count += is_curved[k];
+            raised->curved_edge_count += is_curved[k];
         }
         straighten(s, raised, is_curved);
     }
@@ -314,13 +314,13 @@ static bool curve(const ss_model_plan *plan, const sides *s, ss_quadratic_raised
 
 /* ---- sets of nodes ---- */
 
-/* A set of given nodes, by `bits` of each, goes on to the sides. */
-static void spread_bits(const sides *s, const ss_quadratic_raised *raised, uint8_t *bits)
+/* A set of given nodes, by `bits` of each, goes on to the edges. */
+static void spread_bits(const edges *s, const ss_quadratic_raised *raised, uint8_t *bits)
 {
-    uint8_t *of_side = bits + s->node_count;
+    uint8_t *of_edge = bits + s->node_count;
     for (int32_t k = 0; k < s->count; ++k) {
         const uint8_t both = bits[s->low[k]] & bits[s->high[k]];
-        of_side[k] = s->is_surface[k] ? both : 0;
+        of_edge[k] = s->is_surface[k] ? both : 0;
     }
     for (int32_t t = 0; t < raised->mesh.tetrahedron_count; ++t) {
         const int32_t *node = raised->node[t];
@@ -331,8 +331,8 @@ static void spread_bits(const sides *s, const ss_quadratic_raised *raised, uint8
     }
 }
 
-/* `node` and the sides between them; the numbers before and after that are the same. */
-static int32_t *extend(const sides *s, const ss_quadratic_raised *raised, const int32_t *node,
+/* `node` and the edges between them; the numbers before and after that are the same. */
+static int32_t *extend(const edges *s, const ss_quadratic_raised *raised, const int32_t *node,
                        int32_t count, ss_arena *arena, int32_t *out_count)
 {
     uint8_t *bits = ss_memory_get((size_t)raised->mesh.node_count, 1);
@@ -367,16 +367,16 @@ enum { TERMS = 6, MAX_NEAR = 96 };
 /* Of the fit's own weight: what holds back second derivatives that the nodes say nothing of. */
 #define RIDGE 1e-6
 
-/* Nodes of a set, linked by the surface's sides among them. */
+/* Nodes of a set, linked by the surface's edges among them. */
 typedef struct patch {
-    const sides *s;
+    const edges *s;
     const ss_prescribed *set;
     int32_t *place; /* of a given node in the set, -1 */
     int32_t *first; /* links of the i-th: link[first[i]] .. */
     int32_t *link;  /* places */
 } patch;
 
-static bool patch_init(patch *p, const sides *s, const ss_prescribed *set)
+static bool patch_init(patch *p, const edges *s, const ss_prescribed *set)
 {
     *p = (patch){.s = s,
                  .set = set,
@@ -473,7 +473,7 @@ static void solve_terms(double a[TERMS][TERMS], double b[TERMS][3])
     }
 }
 
-/* 1 s t s^2 st t^2 of a node, about the middle of the side, in units of its length. */
+/* 1 s t s^2 st t^2 of a node, about the middle of the edge, in units of its length. */
 static void terms_of(const double x[3], const double middle[3], const double axis[2][3],
                      double scale, double out[TERMS])
 {
@@ -484,9 +484,9 @@ static void terms_of(const double x[3], const double middle[3], const double axi
     memcpy(out, term, sizeof term);
 }
 
-/* What is prescribed at the middle of side k: a field that is smooth along the surface, so the
+/* What is prescribed at the middle of edge k: a field that is smooth along the surface, so the
  * quadratic through the nodes around it, where they fix one; it keeps to the ends' values. */
-static void prescribe_side(const patch *p, const ss_mesh *mesh, int32_t k, double out[3])
+static void prescribe_edge(const patch *p, const ss_mesh *mesh, int32_t k, double out[3])
 {
     const int32_t end[2] = {p->place[p->s->low[k]], p->place[p->s->high[k]]};
     const double *x[2] = {mesh->position[p->s->low[k]], mesh->position[p->s->high[k]]};
@@ -536,7 +536,7 @@ static void prescribe_side(const patch *p, const ss_mesh *mesh, int32_t k, doubl
     }
 }
 
-static bool extend_prescribed(const sides *s, const ss_mesh *given,
+static bool extend_prescribed(const edges *s, const ss_mesh *given,
                               const ss_quadratic_raised *raised, const ss_prescribed *set,
                               ss_arena *arena, ss_prescribed *out)
 {
@@ -549,7 +549,7 @@ static bool extend_prescribed(const sides *s, const ss_mesh *given,
         if (i < set->node_count) {
             ss_copy3(out->displacement[i], set->displacement[i]);
         } else {
-            prescribe_side(&p, given, out->node[i] - s->node_count, out->displacement[i]);
+            prescribe_edge(&p, given, out->node[i] - s->node_count, out->displacement[i]);
         }
     }
     patch_fini(&p);
@@ -558,7 +558,7 @@ static bool extend_prescribed(const sides *s, const ss_mesh *given,
 
 /* ---- the plan ---- */
 
-static bool extend_plan(const sides *s, const ss_model_plan *plan, ss_arena *arena,
+static bool extend_plan(const edges *s, const ss_model_plan *plan, ss_arena *arena,
                         ss_quadratic_raised *raised)
 {
     raised->plan = *plan;
@@ -593,7 +593,7 @@ static bool extend_plan(const sides *s, const ss_model_plan *plan, ss_arena *are
 
 /* ---- all of it ---- */
 
-static bool make_mesh(const ss_mesh *given, sides *s, ss_arena *arena, ss_quadratic_raised *out,
+static bool make_mesh(const ss_mesh *given, edges *s, ss_arena *arena, ss_quadratic_raised *out,
                       bool *out_is_own)
 {
     const size_t elements = (size_t)given->tetrahedron_count;
@@ -652,27 +652,27 @@ static bool make_mesh(const ss_mesh *given, sides *s, ss_arena *arena, ss_quadra
 softsim_status ss_quadratic_raise(const ss_model_plan *plan, bool is_curved, ss_arena *arena,
                                   ss_quadratic_raised *out, softsim_error *error)
 {
-    sides s;
+    edges s;
     bool is_own = true;
     *out = (ss_quadratic_raised){0};
-    const bool is_good = sides_init(&s, plan->mesh) &&
+    const bool is_good = edges_init(&s, plan->mesh) &&
                          make_mesh(plan->mesh, &s, arena, out, &is_own) &&
                          (!is_own || !is_curved || curve(plan, &s, out)) &&
                          (!is_own || extend_plan(&s, plan, arena, out));
-    sides_free(&s);
+    edges_free(&s);
     if (!is_own) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE, "%s",
-                          "fem-quadratic: the surface has a side that no tetrahedron has: give a "
+                          "fem-quadratic: the surface has an edge that no tetrahedron has: give a "
                           "mesh whose surface is that of its tetrahedra");
         return SOFTSIM_ERROR_SCENE;
     }
-    if (out->lost_side_count > 0) {
+    if (out->lost_edge_count > 0) {
         softsim_error_add(
             error, SOFTSIM_ERROR_SCENE,
-            "fem-quadratic: object.surface is not near %d sides of the mesh's surface: "
+            "fem-quadratic: object.surface is not near %d edges of the mesh's surface: "
             "no part of it within half of their length; give one of the same body, in "
             "the same units and place",
-            out->lost_side_count);
+            out->lost_edge_count);
         return SOFTSIM_ERROR_SCENE;
     }
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;

@@ -4,10 +4,10 @@
 /*
  * The surface that is touched: curved faces, each in sixteen flat parts.
  *
- * Contact at nodes pushes corners and sides alike, though a quadratic face under an even pressure
+ * Contact at nodes pushes corners and edges alike, though a quadratic face under an even pressure
  * has no force on its corners: the force of a ball that slides over coarse faces then ranges by 15
  * to 23 %. So each face is sampled at the middles of sixteen parts. The parts' corners are points
- * of the face, at quarters of its sides; they ride on its six nodes by the shape functions
+ * of the face, at quarters of its edges; they ride on its six nodes by the shape functions
  *
  *   x = sum_k l_k (2 l_k - 1) x_k + sum_{j < k} 4 l_j l_k x_jk,
  *
@@ -26,7 +26,7 @@
 
 enum { GRID = 4, POINTS = 15, PARTS = 16, SWINGS = 4 };
 
-/* The six weights at barycentric (i, j, k)/4; sides 01, 12, 20. */
+/* The six weights at barycentric (i, j, k)/4; edges 01, 12, 20. */
 static void weights_at(int i, int j, int k, double out[6])
 {
     const double l[3] = {(double)i / GRID, (double)j / GRID, (double)k / GRID};
@@ -42,7 +42,7 @@ typedef struct builder {
     ss_quadratic_skin *skin;
     const ss_quadratic_raised *raised;
     int32_t *corner;  /* the skin's node of a raised one, -1 */
-    int32_t *quarter; /* of a side's node: the two beside it, from its lower end; -1 */
+    int32_t *quarter; /* of an edge's node: the two beside it, from its lower end; -1 */
 } builder;
 
 static int32_t add_point(builder *b, int count, const int32_t *node, const double *weight)
@@ -170,7 +170,7 @@ softsim_status ss_quadratic_skin_create(const ss_quadratic_raised *raised, const
     return is_good && skin->sigma >= 0.0 ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
-/* ---- what the body asks for ---- */
+/* ---- entry points of the body ---- */
 
 static ss_quad laid(const ss_quadratic_skin *skin, int32_t s, const ss_real *u)
 {

@@ -2,11 +2,11 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/fem_quadratic/quadratic.h"
 /*
- * The finer surface that the middles of sides follow (object.surface): each goes to the point of it
+ * The finer surface that the middles of edges follow (object.surface): each goes to the point of it
  * that is nearest to the straight middle. Corners stay where the mesh has them.
  *
  * Triangles are listed by the cells of a grid that their boxes touch; a cell is as large as two
- * mean sides, a quarter of the largest triangle's box and a sixty-fourth of the whole, so that no
+ * mean edges, a quarter of the largest triangle's box and a sixty-fourth of the whole, so that no
  * mesh makes lists long. Rejected: the tree of contact/surface.c, which belongs to a tool's query.
  */
 #include <math.h>
@@ -17,7 +17,7 @@
 #include "rt/vec.h"
 
 enum { MOST_CELLS = 64 };
-/* Of a side's length: the surface is no farther from its middle, or it is another body's. */
+/* Of an edge's length: the surface is no farther from its middle, or it is another body's. */
 #define REACH 0.5
 
 typedef struct grid {

@@ -42,7 +42,7 @@ bool ss_hybrid_create_blocks(ss_hybrid *hybrid, int32_t count, ss_fem_blocks *ou
     return true;
 }
 
-/* ---- which cells ---- */
+/* ---- choice of cells ---- */
 
 typedef struct builder {
     ss_hybrid *hybrid;

@@ -283,7 +283,7 @@ static bool fade(ss_hybrid *hybrid, double step)
     return has_changed;
 }
 
-/* ---- where the tools are ---- */
+/* ---- tools in the coordinates of rest ---- */
 
 /* Displacement of the skin under the tool: the mean over the nodes in reach, the nearest counting
  * most, so that it moves smoothly. False where none is in reach. */

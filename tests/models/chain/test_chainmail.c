@@ -201,7 +201,7 @@ TEST(tool_moves_what_it_touches_and_feels_a_spring)
     setup_fini(&s);
 }
 
-/* ---- what a tool that leaves is told ---- */
+/* ---- felt contact of a tool that leaves ---- */
 
 enum { SIDE = 9, HEIGHT = 5 };
 static const double cell_m = 0.01, ball_m = 0.015;

@@ -204,7 +204,7 @@ TEST(forces_balance_and_move_with_body_and_tool)
     setup_fini(&s);
 }
 
-/* ---- what the hand is told ---- */
+/* ---- felt contact ---- */
 
 static double force_along(const setup *s, const double normal[3])
 {

@@ -99,7 +99,7 @@ TEST(the_step_is_below_the_limit_of_the_fastest_mode)
     setup_fini(&s);
 }
 
-/* ---- how far the field is ---- */
+/* ---- progress of the field ---- */
 
 /* Steps until the field of `cell` is within 1e-3 and 1e-6 of the settled one, by S / rho; the
  * error must fall at every step. */

@@ -292,7 +292,7 @@ TEST(cost_and_explanation_count_the_networks_steps)
             bool is_relaxing;
         } rows[] = {{SS_NOTE_LEFT_OUT, "the network's own time", false},
                     {SS_NOTE_USED, "network in its own time", true},
-                    {SS_NOTE_LEFT_OUT, "settled columns", true}};
+                    {SS_NOTE_LEFT_OUT, "settled influence functions", true}};
         for (int i = 0; i < 3; ++i) {
             assert_int_equal(note_count(s.class, s.model, rows[i].kind, rows[i].where, ""),
                              rows[i].is_relaxing == (k > 0));

@@ -186,12 +186,12 @@ TEST(the_window_follows_the_load_and_closes_at_rest)
     }
     steps(&p.with, 140, 2e-3);
     steps(&p.without, 140, 2e-3);
-    assert_int_equal(set->rank[beside[0]], 0);
-    assert_int_not_equal(set->rank[beside[1]], 0);
+    assert_int_equal(set->distance[beside[0]], 0);
+    assert_int_not_equal(set->distance[beside[1]], 0);
     steps(&p.with, 150, 2e-3);
     steps(&p.without, 150, 2e-3);
-    assert_int_not_equal(set->rank[beside[0]], 0);
-    assert_int_equal(set->rank[beside[1]], 0);
+    assert_int_not_equal(set->distance[beside[0]], 0);
+    assert_int_equal(set->distance[beside[1]], 0);
     /* All loads gone: back to rest, with no dent left where blocks stopped. */
     const double size = largest_displacement(&p.with);
     steps(&p.with, 900, 2e-3);
@@ -248,7 +248,7 @@ static double rim_share(const setup *s)
         const int32_t i = edges->from[e] / 4, j = edges->to[e] / 4;
         if ((s->fixed[i] == 7) != (s->fixed[j] == 7)) {
             all += 1.0;
-            active += set->rank[(s->fixed[i] == 7 ? j : i) / set->block_size] == 0;
+            active += set->distance[(s->fixed[i] == 7 ? j : i) / set->block_size] == 0;
         }
     }
     return active / all;
@@ -305,7 +305,7 @@ TEST(still_nodes_do_not_limit_the_step)
     steps(&p.with, 50, 2e-3);
     ss_model *model = p.with.model;
     const int32_t far = far_node(&p);
-    assert_int_not_equal(model->set->rank[far / model->set->block_size], 0);
+    assert_int_not_equal(model->set->distance[far / model->set->block_size], 0);
     model->stiff[far] = 1e30;
     model->verdict = SOFTSIM_VERDICT_DEGRADED;
     const int32_t worst = info_of(&p.with).worst_element;
@@ -444,7 +444,7 @@ TEST(reset_and_threads_give_the_same_bits)
 static const char *reason_of(setup *s)
 {
     create(s);
-    return s->model->set ? NULL : s->model->window_reason;
+    return s->model->set ? NULL : s->model->no_set_reason;
 }
 
 TEST(bodies_that_gain_nothing_have_no_window)

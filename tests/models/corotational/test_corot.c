@@ -113,7 +113,7 @@ TEST(free_fall_is_exact)
     setup_fini(&s);
 }
 
-/* ---- where it settles ---- */
+/* ---- static solutions ---- */
 
 static void settle(setup *s)
 {
@@ -494,7 +494,7 @@ TEST(holds_what_it_grasps)
     setup_fini(&s);
 }
 
-/* ---- what it promises ---- */
+/* ---- guarantees ---- */
 
 TEST(same_input_gives_same_bits)
 {

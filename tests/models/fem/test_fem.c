@@ -455,7 +455,7 @@ TEST(viscosity_creeps_in_its_own_time)
     setup_fini(&s);
 }
 
-/* ---- what is refused ---- */
+/* ---- refusals ---- */
 
 static void refuses(void (*spoil)(setup *s), const char *message)
 {

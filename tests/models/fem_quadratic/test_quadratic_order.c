@@ -64,7 +64,7 @@ TEST(middles_on_the_true_shape_weigh_what_it_weighs)
     assert_near(mass_of(&flat), 1000.0 * volume, 1e-9);
     assert_true(mass_of(&flat) < 0.95 * ball);
     assert_near(mass_of(&round), ball, 0.005 * ball);
-    assert_true(round.raised.curved_side_count > 0);
+    assert_true(round.raised.curved_edge_count > 0);
     assert_int_equal(round.raised.mesh.node_count, second->node_count);
     for (int32_t i = 0; i < second->node_count; ++i) {
         assert_int_equal(round.raised.mesh.file_node[i], i);
@@ -84,7 +84,7 @@ TEST(straight_sides_leave_the_files_middles)
     open_init_with(&straight, second, SS_TISSUE_NEO_HOOKEAN, 0.45, 0.0, false);
     assert_near(mass_of(&straight), mass_of(&flat), 1e-9);
     assert_int_equal(straight.own.blocks.straight_count, straight.own.blocks.count);
-    assert_int_equal(straight.raised.curved_side_count, 0);
+    assert_int_equal(straight.raised.curved_edge_count, 0);
     open_fini(&flat);
     open_fini(&straight);
 }
@@ -114,8 +114,8 @@ TEST(a_side_that_is_bent_too_far_is_straight)
                      SOFTSIM_OK);
     assert_int_equal(ss_mesh_accept(mesh, "it", NULL), SOFTSIM_OK);
     open_init_with(&b, mesh, SS_TISSUE_NEO_HOOKEAN, 0.45, 0.0, true);
-    assert_int_equal(b.raised.straightened_side_count, 1);
-    assert_int_equal(b.raised.curved_side_count, 0);
+    assert_int_equal(b.raised.straightened_edge_count, 1);
+    assert_int_equal(b.raised.curved_edge_count, 0);
     assert_near(b.raised.mesh.position[9][1], 0.5, 0.0);
     open_fini(&b);
 }

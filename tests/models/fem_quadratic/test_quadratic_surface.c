@@ -117,12 +117,12 @@ TEST(a_body_that_follows_a_finer_surface_has_its_volume)
                              volume_error(&finer, &least[2])};
     print_message("volume off by %.2e straight, %.2e by normals, %.2e by a finer surface; %d and "
                   "%d sides curved, %d straightened\n",
-                  error[0], error[1], error[2], own.raised.curved_side_count,
-                  finer.raised.curved_side_count, finer.raised.straightened_side_count);
+                  error[0], error[1], error[2], own.raised.curved_edge_count,
+                  finer.raised.curved_edge_count, finer.raised.straightened_edge_count);
     assert_true(error[0] > 0.03);
     assert_true(error[2] < 0.02 * error[0]);
     assert_true(least[2] >= 0.2);
-    assert_int_equal(finer.raised.lost_side_count, 0);
+    assert_int_equal(finer.raised.lost_edge_count, 0);
     /* Corners stay, and middles are as near to the ellipsoid as the finer facets are. */
     for (int32_t i = 0; i < finer.raised.given_count; ++i) {
         assert_memory_equal(finer.raised.mesh.position[i], flat.raised.mesh.position[i],
@@ -144,7 +144,7 @@ TEST(a_surface_in_another_place_is_refused)
     body b;
     assert_int_equal(body_init(&b, true, 0.03), SOFTSIM_ERROR_SCENE);
     assert_non_null(strstr(b.s.error.text, "object.surface is not near"));
-    assert_true(b.raised.lost_side_count > 10);
+    assert_true(b.raised.lost_edge_count > 10);
     body_fini(&b);
 }
 
@@ -156,7 +156,7 @@ TEST(a_surface_beside_straight_sides_is_refused)
     give(&s, "poisson_ratio", 0.45);
     give(&s, "curved", 1.0);
     s.plan.surface = s.mesh;
-    expect_refusal(&s, SOFTSIM_ERROR_SCENE, "object.surface is followed by curved sides");
+    expect_refusal(&s, SOFTSIM_ERROR_SCENE, "object.surface is followed by curved edges");
 }
 
 int main(void)

@@ -262,7 +262,7 @@ static softsim_status calibrate(work *w)
     return w->status;
 }
 
-/* ---- what a job leaves ---- */
+/* ---- files of a job ---- */
 
 static softsim_status write_field(const work *w, int32_t index, int32_t level,
                                   const ss_static_run *run)

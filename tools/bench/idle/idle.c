@@ -179,7 +179,7 @@ static void measure_phases(report *r, const char *name, const ss_child *server, 
             "%-22s %-8s %6.2f %% (bare loop %.2f %%)  net %.2f simulation %.2f haptic %.2f publish "
             "%.2f main %.2f; %.0f B/s, %.0f beyond rounds; %.3g N, %d nodes active; %.4g Hz "
             "chosen, "
-            "%.4g reached, yardstick %.2f, %s %s\n",
+            "%.4g reached, cost ratio %.2f, %s %s\n",
             name, phase_name[phase], out->cpu, out->bare, out->thread[0], out->thread[1],
             out->thread[2], out->thread[3], out->thread[4], out->bytes_per_s, out->rest_bytes_per_s,
             out->force, out->active_nodes, out->chosen_hz, out->slowest_hz, out->yardstick,
@@ -226,7 +226,7 @@ static softsim_status run_scene(report *r, int32_t index, softsim_error *error)
     return status;
 }
 
-/* ---- which scenes ---- */
+/* ---- choice of scenes ---- */
 
 static int compare(const void *a, const void *b)
 {
@@ -332,9 +332,9 @@ static softsim_status write_csv(const report *r, softsim_error *error)
 static softsim_status write_page(const report *r, softsim_error *error)
 {
     static const char *const head[] = {
-        "scene",     "phase",      "CPU %",     "bare %", "net",     "simulation",
-        "haptic",    "publish",    "main",      "B/s",    "beyond",  "N",
-        "chosen Hz", "slowest Hz", "yardstick", "active", "verdict", "note"};
+        "scene",     "phase",      "CPU %",      "bare %", "net",     "simulation",
+        "haptic",    "publish",    "main",       "B/s",    "beyond",  "N",
+        "chosen Hz", "slowest Hz", "cost ratio", "active", "verdict", "note"};
     ss_page page;
     ss_yardstick yardstick;
     softsim_status status = ss_page_open(&page, r->out, "idle", "softsim: idle", error);

@@ -50,7 +50,7 @@ static void axis_of(int way, double out[3])
     out[order[way]] = way == 0 || way == 1 || way == 3 ? 1.0 : -1.0;
 }
 
-/* ---- what comes ---- */
+/* ---- received ---- */
 
 static bool ends_with(const char *text, const char *end)
 {
@@ -145,7 +145,7 @@ static void take_topology(void *context, const softsim_topology_chunk *chunk)
     find_place(hand);
 }
 
-/* ---- what goes ---- */
+/* ---- sent ---- */
 
 /* Where the tool is to be at `now_ns`: in the air, or on its way in. */
 static void aim(ss_idle_hand *hand, ss_idle_way way, int64_t now_ns, double out[3])

@@ -25,6 +25,9 @@
 
 /* ---- claims ---- */
 
+/* Of two codes for one equation, one of them in single precision. */
+#define SS_CODE_TOLERANCE 1e-3
+
 typedef enum ss_claim_result { SS_CLAIM_PASS, SS_CLAIM_FAIL, SS_CLAIM_DIFFERS } ss_claim_result;
 
 typedef enum ss_claim_source { SS_FROM_PAPER, SS_FROM_CLOSED_FORM, SS_FROM_CODE } ss_claim_source;

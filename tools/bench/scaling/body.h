@@ -22,8 +22,8 @@
  * Under the sphere, which by then stands still, the same load means: the source's weights are those
  * of the touched cells, its share a is 1 (the sphere is pressed in), and the touched nodes with
  * their neighbours, on which the contact acts, stay where the model has them. So the error holds
- * what single precision, the steps, the window and what has not come to rest yet make of the field,
- * and is blind to the contact's own forces. Thread: main.
+ * what single precision, the steps, the active set and what has not come to rest yet make of the
+ * field, and is blind to the contact's own forces. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>

@@ -198,7 +198,7 @@ static softsim_status plot_times(const ss_scaling *r, ss_page *page, softsim_err
           "$slide using 1:2 with linespoints pt 5 lw 2 lc 2 title 'sliding sphere', "
           "$slide using 1:3 with lines dt 2 lc 2 title 'sliding sphere, p99', "
           "$all using 1:2 with linespoints pt 4 lw 2 lc 3 title 'local poke, all nodes', "
-          "$poke using 1:2 with linespoints pt 9 lw 2 lc 4 title 'local poke, window'\n",
+          "$poke using 1:2 with linespoints pt 9 lw 2 lc 4 title 'local poke, active set'\n",
           file);
     return ss_page_plot(page, &script, "scaling",
                         "Median step time against size. The paper's step is one of its own, on a "
@@ -332,7 +332,7 @@ static softsim_status put_ellipsoids(ss_page *page, const ss_scaling *r, softsim
         "node, no tool, all nodes active. slide: a sphere of 5 mm pressed 6 mm deep, moved 30 "
         "mm at 50 mm/s, released. poke: the same ellipsoid, larger, so that its edges are 4 "
         "mm long at every size, pretension 0.05 J; 0.1 N on the nodes within 10 mm of the "
-        "top; with all nodes active (poke all), and with the active window. pull: 0.5 N "
+        "top; with all nodes active (poke all), and with the active set. pull: 0.5 N "
         "upwards on the body of poke, all nodes active.");
     const softsim_status status = plot_times(r, page, error);
     put_table(page, r);
@@ -356,7 +356,7 @@ static softsim_status put_ellipsoids(ss_page *page, const ss_scaling *r, softsim
         "Nor does it judge how far a field in motion is from its equilibrium. Where the round "
         "surface is pressed in it shortens before it stretches, and the network answers by its "
         "pretension alone: pull is the row in which the modulus acts at every size. Against all "
-        "nodes active: the field of poke against that of poke all, what the active window "
+        "nodes active: the field of poke against that of poke all, what the active set "
         "costs. A refused case has no field; where the direct solve fails, the verdict says why.");
     return status;
 }

@@ -165,7 +165,7 @@ static void add_row(ss_scaling *r, const char *name, int32_t points, ss_body_run
              run->direct_reason[0] != '\0' ? "; no field error: " : "", run->direct_reason);
 }
 
-/* The local poke with all nodes active and with the window, and how far apart they are. */
+/* The local poke with all nodes active and with the active set, and how far apart they are. */
 static softsim_status measure_pokes(ss_scaling *r, ss_body *body, softsim_error *error)
 {
     ss_body_run whole = {0}, part = {0};
@@ -205,7 +205,7 @@ static softsim_status measure_size(ss_scaling *r, ss_body *body, int32_t points,
             add_row(r, "pull", points, &pull, NAN);
         }
     }
-    if (status == SOFTSIM_OK && !load.is_refused && points >= SS_SCALING_WINDOW_POINTS) {
+    if (status == SOFTSIM_OK && !load.is_refused && points >= SS_SCALING_ACTIVE_SET_POINTS) {
         status = measure_pokes(r, body, error);
     }
     ss_body_run_fini(&slide);

@@ -18,7 +18,7 @@ enum {
     SS_SCALING_MAX_BLOCKS = 1024,
     SS_SCALING_CASES = 5,
     SS_SCALING_ELEMENT_CASES = 6,
-    SS_SCALING_WINDOW_POINTS = 4096 /* smaller bodies have no window */
+    SS_SCALING_ACTIVE_SET_POINTS = 4096 /* smaller bodies have no active set */
 };
 
 typedef struct ss_scaling_options {

@@ -140,7 +140,7 @@ static void tangle(ss_stress_case_plan *plan)
         is_places ? 4.0 * size : reach_linear * SS_SPECIMEN_NODES * trial->value * edge;
 }
 
-/* ---- what contradicts itself ---- */
+/* ---- contradictions ---- */
 
 static void contradict(ss_stress_case_plan *plan)
 {

@@ -571,7 +571,7 @@ static softsim_status search_better(ss_zhang *zhang, const ss_zhang_solid *liver
     return SOFTSIM_OK;
 }
 
-/* ---- what the coarse level costs, and where it helps ---- */
+/* ---- cost and benefit of the coarse level ---- */
 
 /* Batches of steps of both in turn; the least of each, since what else a machine does to its caches
  * only adds. */

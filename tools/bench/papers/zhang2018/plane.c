@@ -18,9 +18,8 @@
 #define SLACK "alpha=0.02"
 static const double depth_h = 5.0, pace = 0.25; /* h, h/C */
 static const double step_c = 0.25; /* C: half the largest stable one, and a whole number to 5 h */
-static const double settled_c = 20000.0;   /* C: what is left then is below 1e-3 */
-static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
-static const double threshold_h = 2.01;    /* R sqrt((1 + alpha)^2 - 1), R = 10 h */
+static const double settled_c = 20000.0; /* C: what is left then is below 1e-3 */
+static const double threshold_h = 2.01;  /* R sqrt((1 + alpha)^2 - 1), R = 10 h */
 
 static ss_zhang_setup network_setup(ss_zhang *zhang)
 {
@@ -183,7 +182,7 @@ static void claim_shapes(ss_zhang *zhang, const plane_field *u, const plane_fiel
     ss_paper *paper = zhang->paper;
     for (int s = NETWORK; s <= SETTLED && is_there[s]; ++s) {
         ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, bend(zhang, reference[s]), bend(zhang, u[s]),
-                      code_tolerance,
+                      SS_CODE_TOLERANCE,
                       "%s: the profile's largest distance from the straight line between the rim "
                       "and the contact, over the depth",
                       shapes[s].title);
@@ -418,8 +417,8 @@ softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error)
     }
     for (int c = 0; c < SPEED_COUNT; ++c) {
         ss_claim_near(paper, "Fig. 5a", SS_FROM_CODE, exponent(&reference[c]), exponent(&curve[c]),
-                      code_tolerance, "force grows as displacement to the power, pushed at %g h/C",
-                      speeds[c]);
+                      SS_CODE_TOLERANCE,
+                      "force grows as displacement to the power, pushed at %g h/C", speeds[c]);
         ss_claim_at_least(paper, "Fig. 5a", SS_FROM_PAPER, 1.1, exponent(&curve[c]),
                           "a nonlinear relationship: the same power, at %g h/C", speeds[c]);
     }
@@ -433,7 +432,7 @@ softsim_status ss_zhang_forces(ss_paper *paper, softsim_error *error)
     for (int k = 4; k < STATIC_COUNT && status == SOFTSIM_OK; ++k) {
         double rest;
         ss_claim_near(paper, "Fig. 5a", SS_FROM_CODE, reference_still[k], still->force[k],
-                      code_tolerance, "settled for %g C: force at %g h, N", settled_c,
+                      SS_CODE_TOLERANCE, "settled for %g C: force at %g h, N", settled_c,
                       static_depth[k]);
         status = settle_reference(zhang, static_depth[k], &rest, error);
         ss_page_text(&paper->page, "The equilibrium at %g h by the reference network: %.4g N.",
@@ -567,13 +566,13 @@ softsim_status ss_zhang_relaxation(ss_paper *paper, softsim_error *error)
     if (status != SOFTSIM_OK || r.count == 0) {
         return status;
     }
-    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.reference_peak, r.peak, code_tolerance,
+    ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.reference_peak, r.peak, SS_CODE_TOLERANCE,
                   "force as 5 h is reached at 1 h/C, N");
     ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.reference_slow_peak, r.slow_peak,
-                  code_tolerance, "force as 5 h is reached at 0.25 h/C, N");
+                  SS_CODE_TOLERANCE, "force as 5 h is reached at 0.25 h/C, N");
     for (int m = 0; m < MARK_COUNT; ++m) {
         ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, r.reference_mark[m], r.mark[m],
-                      code_tolerance, "force after %g C, N", mark_s[m]);
+                      SS_CODE_TOLERANCE, "force after %g C, N", mark_s[m]);
     }
     ss_claim_near(paper, "Fig. 5c", SS_FROM_CODE, rest, r.mark[MARK_COUNT - 1], 5e-3,
                   "the minimum that it falls to is the equilibrium's: force after %g C, N",

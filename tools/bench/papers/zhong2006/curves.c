@@ -13,8 +13,6 @@
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "rt/memory.h"
 
-static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
-
 enum { MAX_CURVES = 8 };
 
 /* Says what is done, and does it on each tube that is there. */
@@ -229,10 +227,10 @@ static softsim_status creep_claims(ss_zhong *zhong, const ss_tube *tube, const t
     for (int32_t k = 0; status == SOFTSIM_OK && k < 2; ++k) {
         const int32_t c = k == 0 ? 1 : t->curves;
         ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, last[k], *cell(t, t->rows - 1, c),
-                      code_tolerance,
+                      SS_CODE_TOLERANCE,
                       "%s: displacement after 400 s under a constant 0.25 N, damping %g, m",
                       tube->name, creep_gamma[c - 1]);
-        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, t90_s[k], time_of_90(t, c), code_tolerance,
+        ss_claim_near(paper, "Fig. 4", SS_FROM_CODE, t90_s[k], time_of_90(t, c), SS_CODE_TOLERANCE,
                       "%s: time to 90 %% of it, damping %g, s", tube->name, creep_gamma[c - 1]);
     }
     return status;
@@ -351,10 +349,10 @@ static softsim_status loop_claims(ss_zhong *zhong, const ss_tube *tube, const ta
                           "by, fraction",
                           tube->name, gamma);
         ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, reference[0], loop_area(t, 1 + which),
-                      code_tolerance, "%s: area of the loop, damping %g, J", tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, reference[1], up, code_tolerance,
+                      SS_CODE_TOLERANCE, "%s: area of the loop, damping %g, J", tube->name, gamma);
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, reference[1], up, SS_CODE_TOLERANCE,
                       "%s: displacement at 0.25 N while loading, damping %g, m", tube->name, gamma);
-        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, reference[2], down, code_tolerance,
+        ss_claim_near(paper, "Fig. 5", SS_FROM_CODE, reference[2], down, SS_CODE_TOLERANCE,
                       "%s: the same while unloading, damping %g, m", tube->name, gamma);
     }
     return SOFTSIM_OK;
@@ -512,7 +510,7 @@ static softsim_status ramp_claims(ss_zhong *zhong, const ss_tube *tube, const ta
         status = record_reference(tube, ramp_gamma[c - 1], ramp_force, &reference, 1, 1,
                                   ramp_step_s, error);
         ss_claim_near(paper, "Fig. 6", SS_FROM_CODE, *cell(&reference, RAMP_ROWS - 1, 1),
-                      *cell(t, RAMP_ROWS - 1, c), code_tolerance,
+                      *cell(t, RAMP_ROWS - 1, c), SS_CODE_TOLERANCE,
                       "%s: displacement at 1 N after a ramp of 10 s, damping %g, m", tube->name,
                       ramp_gamma[c - 1]);
         least_bend = fmin(least_bend, bend(t, c));
@@ -545,7 +543,7 @@ static softsim_status static_claims(ss_zhong *zhong, const ss_tube *tube, const 
         const double reference =
             net != NULL ? ss_tube_net_static(net, static_force[k], NULL, NULL) : (double)NAN;
         fprintf(csv.file, "%g,%.8g,%.8g\n", static_force[k], depth, reference);
-        ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE, reference, depth, code_tolerance,
+        ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE, reference, depth, SS_CODE_TOLERANCE,
                       "%s: static displacement at %g N, m", tube->name, static_force[k]);
         stiffness[k] = static_force[k] / depth;
         reference_stiffness[k] = static_force[k] / reference;
@@ -555,7 +553,7 @@ static softsim_status static_claims(ss_zhong *zhong, const ss_tube *tube, const 
     if (status == SOFTSIM_OK) {
         ss_claim_near(zhong->paper, "Fig. 6", SS_FROM_CODE,
                       reference_stiffness[STATIC_COUNT - 1] / reference_stiffness[0],
-                      stiffness[STATIC_COUNT - 1] / stiffness[0], code_tolerance,
+                      stiffness[STATIC_COUNT - 1] / stiffness[0], SS_CODE_TOLERANCE,
                       "%s: the body hardens: static force over displacement at %g N, over that at "
                       "%g N",
                       tube->name, static_force[STATIC_COUNT - 1], static_force[0]);

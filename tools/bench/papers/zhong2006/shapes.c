@@ -13,7 +13,6 @@
 #include "rt/memory.h"
 #include "rt/vec.h"
 
-static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
 static const uint32_t red = 0xd0605a, green = 0x6fae62, plain = 0xd8b9a0;
 enum { NINE = 9 };
 
@@ -288,9 +287,9 @@ static softsim_status nine_claims(ss_zhong *zhong, const ss_tube *tube, const ss
         return ss_memory_fault(error);
     }
     ss_zhong_net_destroy(&net);
-    ss_claim_near(paper, "Fig. 11", SS_FROM_CODE, -u[SS_TUBE_CONTACT][1], r->depth, code_tolerance,
-                  "%s: nine sources share %.3g N: depth of the contact, m", tube->name,
-                  setup->load[0].force);
+    ss_claim_near(paper, "Fig. 11", SS_FROM_CODE, -u[SS_TUBE_CONTACT][1], r->depth,
+                  SS_CODE_TOLERANCE, "%s: nine sources share %.3g N: depth of the contact, m",
+                  tube->name, setup->load[0].force);
     ss_claim_at_least(paper, "Fig. 11", SS_FROM_PAPER,
                       1.2 * range_of((const double(*)[3])isotropic->u),
                       range_of((const double(*)[3])r->u),
@@ -315,9 +314,9 @@ static softsim_status reference_claims(ss_zhong *zhong, const ss_tube *tube,
     }
     const double depth = ss_tube_net_static(net, 1.0, NULL, &width);
     ss_zhong_net_destroy(&net);
-    ss_claim_near(zhong->paper, at->figure, SS_FROM_CODE, depth, r->depth, code_tolerance,
+    ss_claim_near(zhong->paper, at->figure, SS_FROM_CODE, depth, r->depth, SS_CODE_TOLERANCE,
                   "%s: %s: depth of the contact at 1 N, m", tube->name, at->title);
-    ss_claim_near(zhong->paper, at->figure, SS_FROM_CODE, width, r->width, code_tolerance,
+    ss_claim_near(zhong->paper, at->figure, SS_FROM_CODE, width, r->width, SS_CODE_TOLERANCE,
                   "%s: %s: width of its ring, m", tube->name, at->title);
     return SOFTSIM_OK;
 }
@@ -371,7 +370,7 @@ static softsim_status one_way_claim(ss_zhong *zhong, softsim_error *error)
         const double reference =
             net != NULL ? ss_tube_net_static(net, 0.25, NULL, NULL) : (double)NAN;
         ss_zhong_net_destroy(&net);
-        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, reference, depth, code_tolerance,
+        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, reference, depth, SS_CODE_TOLERANCE,
                       "triangles with all diagonals one way: static depth at 0.25 N, m (how a mesh "
                       "is cut matters by 6 %%)");
     }
@@ -401,7 +400,7 @@ static softsim_status per_area_claim(ss_zhong *zhong, const ss_tube *tube, softs
     const softsim_status status = ss_tube_static(zhong->paper, tube, &setup, "densities by area",
                                                  &depth, &width, NULL, error);
     if (status == SOFTSIM_OK && !isnan(depth)) {
-        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, reference, depth, code_tolerance,
+        ss_claim_near(zhong->paper, "Fig. 7", SS_FROM_CODE, reference, depth, SS_CODE_TOLERANCE,
                       "%s: mass, damping and rest stiffness by area: static depth at 0.25 N, m",
                       tube->name);
     }

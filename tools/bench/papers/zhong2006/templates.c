@@ -15,8 +15,6 @@
 #include "bench/papers/zhong2006/zhong2006.h"
 #include "rt/vec.h"
 
-static const double code_tolerance = 1e-3; /* of two codes for one equation, one of them single */
-
 /* ---- the cylinder ---- */
 
 typedef struct template_case {
@@ -56,9 +54,9 @@ static softsim_status compare(ss_zhong *zhong, const ss_tube *tube, const templa
     fprintf(csv, "%s,\"%s\",%.9g,%.9g,%.9g,%.9g\n", tube->name, at->what, depth, reference, width,
             reference_width);
     const char *figure = at->figure[tube->is_grid ? 0 : 1];
-    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, reference, depth, code_tolerance,
+    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, reference, depth, SS_CODE_TOLERANCE,
                   "%s, %s: depth at 1 N as from the printed conductances, m", tube->name, at->what);
-    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, reference_width, width, code_tolerance,
+    ss_claim_near(zhong->paper, figure, SS_FROM_CODE, reference_width, width, SS_CODE_TOLERANCE,
                   "%s, %s: ring width, m", tube->name, at->what);
     return status;
 }
@@ -83,7 +81,7 @@ static softsim_status compare_more(ss_zhong *zhong, softsim_error *error)
         reference[k] = ss_tube_net_static(net, 0.25, NULL, NULL);
         ss_zhong_net_destroy(&net);
         status = ss_tube_static(zhong->paper, tube, &setup, "rho 50", &depth, &width, NULL, error);
-        ss_claim_near(zhong->paper, "eq. 26", SS_FROM_CODE, reference[k], depth, code_tolerance,
+        ss_claim_near(zhong->paper, "eq. 26", SS_FROM_CODE, reference[k], depth, SS_CODE_TOLERANCE,
                       "%s: a thousandfold rho everywhere changes nothing while no cell saturates: "
                       "depth at 0.25 N, m (expected: with rho 0.05)",
                       tube->name);
