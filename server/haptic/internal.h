@@ -276,10 +276,9 @@ void ss_friction_decay(ss_local_friction *friction, double kept);
 /* A new result's, with the proxy at `p`, so that the force stays. After the contacts. */
 void ss_friction_take(ss_local_contact *local, const ss_contact_set *set, const double p[3]);
 /* The balance with friction, from the proxy `p` of the last tick on, for a coupling of `spring`;
- * `rest` is where it rests without. Its force is then in the balance's `other`. `inout_aside`, as
- * in ss_slip: where the force is limited, what the hand is ahead of the proxy goes into it. */
+ * `rest` is where it rests without. Its force is then in the balance's `other`. */
 void ss_friction_balance(ss_local_contact *local, const double p[3], double spring, double period,
-                         ss_balance *balance, ss_rest *rest, double inout_aside[3]);
+                         ss_balance *balance, ss_rest *rest);
 /* Adds its torque about the tool's origin. */
 void ss_friction_torque(const ss_local_contact *local, double out[3]);
 

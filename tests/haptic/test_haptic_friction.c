@@ -31,7 +31,6 @@ TEST(random_walks_never_have_negative_dissipation)
         const double k_t = uniform(10.0, 5000.0), spring = uniform(100.0, 20000.0);
         ss_local_contact local;
         double hand[3] = {0.0, 0.0, 0.0}, p[3] = {0.0, 0.0, 0.0}, held = 0.0, lost = 0.0;
-        double aside[3] = {0.0, 0.0, 0.0};
         one_contact(&local, k_t);
         for (int n = 0; n < 20000; ++n) {
             double before[3], way[3];
@@ -46,7 +45,7 @@ TEST(random_walks_never_have_negative_dissipation)
             balance.row[0].free_force = jump < 0.1 ? 0.0 : 3.0 * jump;
             ss_copy3(balance.p_free, hand);
             (void)ss_coupling_balance(&balance, &rest);
-            ss_friction_balance(&local, p, spring, T, &balance, &rest, aside);
+            ss_friction_balance(&local, p, spring, T, &balance, &rest);
             ss_copy3(before, p);
             ss_copy3(p, rest.p);
             ss_sub3(way, p, before);
@@ -241,54 +240,6 @@ TEST(a_loop_costs_the_friction_and_the_observer_counts_it)
         const double stretch = MU * normal / K;
         assert_near(paid, MU * normal * (0.080 - 4.0 * stretch * 0.5), 0.03 * MU * normal * 0.080);
         assert_near(counted, paid, 0.01 * paid);
-        rig_end(&r);
-    }
-}
-
-/* Degrees between forces. */
-static double angle(const double a[3], const double b[3])
-{
-    double across[3];
-    ss_cross3(across, a, b);
-    return atan2(ss_norm3(across), ss_dot3(a, b)) * 180.0 / SS_PI;
-}
-
-/* 10 mm deep at a limit that is reached at 2.5 mm, a hand dashes 10 mm aside and back at up to 0.1
- * m/s: sticking friction alone would turn the force by 1.7 degrees a tick. */
-TEST(at_the_limit_friction_turns_the_force_by_a_degree_a_tick)
-{
-    const double limit = 0.7;
-    for (int n = 0; n < RATES; ++n) {
-        rig r;
-        tissue t = {{0.0, 0.0}, false};
-        ss_haptic_config config = default_config();
-        config.max_force = limit;
-        rig_start(&r, &config);
-        double last[3], before = 0.0, given = 0.0, most_given = 0.0, most_turn = 0.0;
-        for (int i = 0; i <= 800; ++i) {
-            (void)step(&r, &t, rates[n], 0.0, 0.0, 1e-3 - 11e-3 * fmin(1.0, i / 400.0));
-        }
-        ss_copy3(last, r.out.force.force);
-        for (int i = 0; i < 3000; ++i) {
-            const double u = fmin(1.0, i % 1000 / 150.0), way = u * u * (3.0 - 2.0 * u);
-            const double x = 0.010 * (i / 1000 % 2 == 0 ? way : 1.0 - way);
-            r.pose.force_seq = r.out.force.seq;
-            const double *f = step(&r, &t, rates[n], x, 0.0, -0.010);
-            given += last[0] * (x - before);
-            most_given = fmax(most_given, given);
-            most_turn = fmax(most_turn, angle(last, f));
-            before = x;
-            ss_copy3(last, f);
-            assert_true(ss_norm3(f) >= 0.99 * limit && ss_norm3(f) <= 1.0001 * limit);
-            if (i % 1000 == 999) {
-                /* m: it fades in 0.1 s */
-                assert_near(r.out.target.proxy[0], x, 1e-4);
-            }
-        }
-        print_message("a result every %d ticks: %.2f degrees a tick, handed out %.3f mJ\n",
-                      rates[n], most_turn, 1e3 * most_given);
-        assert_true(most_turn <= 1.0);
-        assert_true(most_given <= 1e-3 && given < 0.0);
         rig_end(&r);
     }
 }
