@@ -234,6 +234,11 @@ static void serve(ss_loops *loops, const ss_loop_threads *threads)
         fprintf(stderr, "softsimd: simulation at %.6g Hz; a step takes %.2f of the counted cost\n",
                 1.0 / loops->world->step_period, loops->world->yardstick);
     }
+    if (!loops->takes_commands && !loops->options->no_commands &&
+        loops->options->log_level >= SS_LOG_INFO) {
+        fprintf(stderr, "softsimd: takes no commands but refresh and status, as the LCM URL is one "
+                        "of your own; --allow-commands takes them\n");
+    }
     puts("softsimd: ready");
     fflush(stdout);
     wait_for_end(loops);

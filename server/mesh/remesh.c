@@ -407,10 +407,12 @@ softsim_status ss_mesh_remesh(const ss_mesh *mesh, double edge, double feature_d
             is_refused = is_refused || !found[i].is_harmless;
         }
         if (is_refused || crossing.count > 0) {
-            return refuse(error, crossing.count > 0
-                                     ? "triangles cross others: move them apart, or join the "
-                                       "bodies; softsim-mesh check tells which"
-                                     : "mend it first: softsim-mesh convert --repair");
+            return refuse(error,
+                          crossing.count > 0
+                              ? "triangles cross others: move them apart in the program that "
+                                "made it (a boolean union, or a remesh by voxels, does "
+                                "that); softsim-mesh check tells which"
+                              : "mend it first: softsim-mesh convert --repair");
         }
         if (report.area / (0.433 * edge * edge) > most_triangles) {
             return refuse(error, "more than 4 million triangles: give a longer edge");

@@ -18,9 +18,9 @@
 #include <unistd.h>
 
 /* Bytes: the largest block, and all at the heap's end, that malloc is told to keep; by how much the
- * heap grows at once, in set-up and as by default; what makes it grow. */
-enum { KEPT_BLOCK = 32 << 20, KEPT_END = 1 << 30 };
-enum { SETUP_GROWTH = 64 << 20, USUAL_GROWTH = 128 << 10, FIRST_BLOCK = 1 << 20, PAGE = 4096 };
+ * heap grows at first; all three as malloc has them; what makes the heap grow. */
+enum { KEPT_BLOCK = 32 << 20, KEPT_END = 1 << 30, SETUP_GROWTH = 64 << 20 };
+enum { USUAL_SIZE = 128 << 10, FIRST_BLOCK = 1 << 20, PAGE = 4096 };
 
 void ss_program_begin_setup(void)
 {
@@ -28,7 +28,8 @@ void ss_program_begin_setup(void)
     (void)mallopt(M_TRIM_THRESHOLD, KEPT_END);
     (void)mallopt(M_TOP_PAD, SETUP_GROWTH);
     char *first = malloc(FIRST_BLOCK), *end = sbrk(0);
-    if (first != NULL && first < end) { /* else malloc has no heap; a refusal does not matter */
+    /* Else malloc has no heap; a refusal does not matter. */
+    if (first != NULL && (uintptr_t)first < (uintptr_t)end) {
         char *begin = first + (PAGE - (uintptr_t)first % PAGE) % PAGE;
         (void)madvise(begin, (size_t)(end - begin), MADV_HUGEPAGE);
     }
@@ -37,8 +38,12 @@ void ss_program_begin_setup(void)
 
 void ss_program_end_setup(void)
 {
-    (void)mallopt(M_TOP_PAD, USUAL_GROWTH);
+    (void)mallopt(M_MMAP_THRESHOLD, USUAL_SIZE);
+    (void)mallopt(M_TRIM_THRESHOLD, USUAL_SIZE);
+    (void)mallopt(M_TOP_PAD, USUAL_SIZE);
     (void)malloc_trim(0);
+    /* The kernel would go on joining pages, those that loops use, which then fault. */
+    (void)prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);
 }
 
 void ss_program_begin(void)

@@ -35,8 +35,9 @@ bool ss_program_can_tell(void);
 void ss_program_stop_signals(sigset_t *out_signals);
 
 /* Set-up takes, zeroes and frees much, and page faults of 4 KB were a third of it. Between the two
- * the heap has large pages where the system gives them, and what is freed stays for what is asked
- * for next. */
+ * what is freed stays for what is asked for next, and the first 64 MB of the heap have large pages
+ * where the system gives them, as blocks of 2 MB and more have (memory.c). From the end on no pages
+ * are joined any more. Thread: main, the only one that allocates. */
 void ss_program_begin_setup(void);
 void ss_program_end_setup(void);
 

@@ -244,6 +244,36 @@ TEST(a_loop_costs_the_friction_and_the_observer_counts_it)
     }
 }
 
+/* 10 mm deep at a limit that is reached at 2.5 mm, a hand shakes sideways by 3 mm: friction takes
+ * mu N on every way there and back, but for the stretch of its spring as the hand turns round. */
+TEST(at_the_limit_friction_takes_energy_from_a_hand_that_shakes)
+{
+    const double limit = 0.7, size = 0.003;
+    for (int hz = 10; hz <= 20; hz += 5) {
+        rig r;
+        tissue t = {{0.0, 0.0}, false};
+        ss_haptic_config config = default_config();
+        config.max_force = limit;
+        rig_start(&r, &config);
+        for (int i = 0; i <= 800; ++i) {
+            (void)step(&r, &t, 1, 0.0, 0.0, 1e-3 - 11e-3 * fmin(1.0, i / 400.0));
+        }
+        double before = 0.0, paid = 0.0, way = 0.0;
+        for (int i = 1; i <= 4000; ++i) {
+            const double x = size * sin(2.0 * SS_PI * hz * i * T), felt = r.out.force.force[0];
+            r.pose.force_seq = r.out.force.seq;
+            (void)step(&r, &t, 1, x, 0.0, -0.010);
+            paid -= felt * (x - before);
+            way += fabs(x - before);
+            before = x;
+        }
+        const double all = MU * limit / sqrt(1.0 + MU * MU) * way;
+        print_message("%d Hz: %.1f mJ of %.1f\n", hz, 1e3 * paid, 1e3 * all);
+        assert_true(paid >= 0.5 * all && paid <= all);
+        rig_end(&r);
+    }
+}
+
 /* Without a coefficient told friction is nothing, whatever a result says. */
 TEST(without_a_coefficient_there_is_none)
 {

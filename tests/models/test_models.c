@@ -497,18 +497,21 @@ TEST(reset_brings_back_the_first_run_bit_for_bit)
 TEST(a_load_of_nothing_changes_nothing)
 {
     uint64_t hash[2];
+    double cost_us[2];
     for (int has_load = 0; has_load < 2; ++has_load) {
         setup s;
         setup_whole(&s);
         ss_set3(s.load[0].force, 0.0, 0.0, 0.0);
         s.plan.load_count = has_load;
         create(&s);
+        cost_us[has_load] = s.class->step_cost_us(&s.plan);
         drive(&s, 200);
         assert_true(info_of(&s).elastic > 0.0);
         hash[has_load] = hash_with_velocity(&s);
         setup_fini(&s);
     }
     assert_true(hash[0] == hash[1]);
+    assert_near(cost_us[0], cost_us[1], 0.0);
 }
 
 TEST(the_number_of_threads_does_not_matter)

@@ -96,7 +96,8 @@ void faulty_print(const faulty *f, const char *path)
         {.fault = &f->crossing,
          .what = "triangles that cross others",
          .where = "triangle",
-         .remedy = "move them apart, or join the bodies (a boolean union), and repair that"},
+         .remedy = "move them apart in the program that made it (a boolean union, or a remesh by "
+                   "voxels), and repair that"},
     };
     for (size_t i = 0; i < sizeof own / sizeof *own; ++i) {
         if (own[i].fault->count > 0) {

@@ -67,7 +67,8 @@ static void add_own_rows(findings *f)
     add_row(f, &f->part, "component", "separate parts", "", "forces do not pass between them",
             true);
     add_row(f, &f->crossing, "self_intersection", "triangles that cross others", "triangle",
-            "move them apart, or join the bodies (a boolean union)", true);
+            "move them apart in the program that made it (a boolean union, or a remesh by voxels)",
+            true);
     add_row(
         f, &f->quality.sliver, "sliver",
         m->tetrahedron_count > 0

@@ -44,7 +44,8 @@ static const double PLANNED_SHARE = 0.4; /* of a step's time: what is planned le
 static const double CLOSE = 0.02;        /* a scaled force is this near to Hertz */
 static const double LOWERED = 0.75;    /* of the largest force, at a time, while a tool sinks in */
 static const double LEAST_LIMIT = 0.8; /* of the working force: it is not lowered below */
-static const double COARSE = 1.0;      /* edges longer than this many radii of the tool */
+static const double SOFT = 0.5, HARD = 1.6; /* times Hertz's: told beyond */
+static const double COARSE = 1.0;           /* edges longer than this many radii of the tool */
 
 typedef enum purpose { FOR_FEEL, FOR_ACCURACY, FOR_SPEED } purpose;
 /* What is tried, in this order. */
@@ -617,14 +618,22 @@ static void warn_of(const request *q, const organ *o)
         ss_plain_print(
             stderr,
             "softsim-mesh: warning: %s: the mesh is coarse for the tool: edges of %.3g mm, a "
-            "ball of %.3g mm: forces come out too high (here %.2f times Hertz's); take a finer "
+            "ball of %.3g mm: forces may come out too high (here %.2f times Hertz's); take a finer "
             "mesh, or a larger --tool-mm\n",
             q->out, 1e3 * o->edge, 1e3 * o->radius, ratio);
-    } else if (t->has_touched && (ratio < 0.4 || ratio > 2.5)) {
+    } else if (t->has_touched && ratio < SOFT) {
         ss_plain_print(
             stderr,
-            "softsim-mesh: warning: %s: the force is %.2f times Hertz's, which assumes a body "
-            "large and flat beside the tool\n",
+            "softsim-mesh: warning: %s: the force is %.2f times Hertz's of a large, flat body: "
+            "what is pressed gives way as a whole, or is thin beside the tool; %d of %d nodes are "
+            "held: hold more of it with --fixed (--preview draws what is held)\n",
+            q->out, ratio, o->fixed_count, o->node_count);
+    } else if (t->has_touched && ratio > HARD) {
+        ss_plain_print(
+            stderr,
+            "softsim-mesh: warning: %s: the force is %.2f times Hertz's of a large, flat body: it "
+            "is held close to the tool, or the mesh is coarse: take a finer mesh, or hold less of "
+            "it with --fixed\n",
             q->out, ratio);
     }
 }

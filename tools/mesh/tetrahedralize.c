@@ -89,7 +89,8 @@ static softsim_status check_surface(const request *q, const ss_mesh *mesh, softs
     if (crossing.count > 0) {
         softsim_error_add(error, SOFTSIM_ERROR_MESH,
                           "%s: triangles that cross others: %lld (the first is %d): move them "
-                          "apart, or remesh",
+                          "apart in the program that made it (a boolean union, or a remesh by "
+                          "voxels, does that); softsim-mesh scene takes the surface as it is",
                           q->path[0], (long long)crossing.count, crossing.first[0]);
         status = SOFTSIM_ERROR_MESH;
     }

@@ -388,8 +388,7 @@ static void reset(ss_model *model)
     memset(model->held, 0, (size_t)model->node_count);
     ss_tools_reset(&model->tools);
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        model->tool[k].is_touching = false;
-        model->tool[k].dent = 0.0;
+        ss_mail_tool_clear(&model->tool[k]);
     }
     model->step = 0;
     model->fitted_step = -1;
@@ -473,7 +472,11 @@ static uint64_t hash_state(const ss_model *model, uint64_t seed)
         const size_t count = (size_t)grasp->count;
         if (tool->is_used) {
             hash = ss_hash_bytes(hash, &count, sizeof count);
-            hash = ss_hash_bytes(hash, &model->tool[k].dent, sizeof model->tool[k].dent);
+            const ss_mail_tool *own = &model->tool[k];
+            hash = ss_hash_bytes(hash, &own->e, sizeof own->e);
+            hash = ss_hash_bytes(hash, &own->dent, sizeof own->dent);
+            hash = ss_hash_bytes(hash, own->normal, sizeof own->normal);
+            hash = ss_hash_bytes(hash, own->arm, sizeof own->arm);
         }
         if (count > 0) {
             hash = ss_hash_bytes(hash, grasp->node, count * sizeof *grasp->node);

@@ -79,6 +79,8 @@ void ss_mail_sponsor(ss_model *model, int32_t node);
 
 /* Thread: set-up only. */
 softsim_status ss_mail_tools_create(ss_model *model, softsim_error *error);
+/* One that has touched nothing yet. */
+void ss_mail_tool_clear(ss_mail_tool *tool);
 /* Takes over where they go; returns the parts of the step in which none goes too far. */
 int32_t ss_mail_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
 /* The surface at the end of the step before step number `step`, once, where a tool is present. */

@@ -13,9 +13,9 @@
  * u^0 the displacements then, w_i the source weights of the cells about the tool (contact.h), n the
  * way that their slopes push it, gap how far the tool has gone out of the dent. It is 0 at the
  * touch, also of a dent that was left, grows as the tool presses and falls as it goes out, whether
- * the cells follow or stay. Beyond that the touch goes on and a gap of gap - e is told, until the
- * tool is a quarter of its radius out of the surface as it was: what is felt is some periods late
- * and has to go to 0 by the same line.
+ * the cells follow or stay. Beyond that the touch goes on and a gap of gap - e is told, until that
+ * is a quarter of the tool's radius: what is felt is some periods late and has to go on to 0. Where
+ * no cell is in reach of the weights any more e stays, so that a deep dent is left lower.
  * Rejected: what the law between results makes of a result without force, its stiffness times the
  * way of one period (with a result each tick that is no force at all); as soon as e < gap, the gap
  * to the bottom of the dent (to the law between results a pull of k e: what was felt ended in a
@@ -32,9 +32,10 @@
 enum { PUSH_PASSES = 3 };
 /* N/m over working force and tool radius: what the hand meets between results. */
 #define FELT_SHARE 1.0
-/* A tool so far out of the surface as it was has left, in radii: as far as one goes in a sub-step.
- * At 1 kHz a hand of 0.3 m/s, felt three periods late, goes 0.9 mm. */
+/* A tool so far out of the surface as it was has left: in radii, as far as one goes in a sub-step,
+ * or what a hand of 0.3 m/s goes in the three steps by which it is felt late, m/s. */
 #define LEAVING_SHARE 0.25
+#define LEAVING_SPEED 0.9
 
 /* ---- set-up ---- */
 
@@ -175,6 +176,9 @@ static void measure_depth(const ss_model *model, ss_mail_tool *tool, const doubl
     const int32_t count =
         ss_contact_query_weigh(base->query, model->u, NULL, &base->pose, &node, &weight, &total);
     if (!(total > 0.0)) {
+        if (!(ss_norm3(tool->normal) > 0.0)) {
+            ss_copy3(tool->normal, nearest);
+        }
         return;
     }
     ss_contact_query_weight_forces(base->query, NULL, NULL, push, turn);
@@ -206,7 +210,8 @@ static void measure_dent(ss_model *model, ss_mail_tool *tool)
     measure_depth(model, tool, set.normal);
     const double gap = set.count > 0 ? set.contact[0].gap : (double)INFINITY, out = gap - tool->e;
     /* One that touches what has come to lie above the surface as it was begins anew. */
-    tool->is_touching = out < (gap > 0.0 ? LEAVING_SHARE * base->radius : 0.0);
+    const double left = fmax(LEAVING_SHARE * base->radius, LEAVING_SPEED * model->plan.step);
+    tool->is_touching = out < (gap > 0.0 ? left : 0.0);
     tool->dent = tool->is_touching ? -out : 0.0;
 }
 
@@ -225,6 +230,14 @@ void ss_mail_tools_measure(ss_model *model)
     }
 }
 
+void ss_mail_tool_clear(ss_mail_tool *tool)
+{
+    tool->is_touching = false;
+    tool->e = tool->dent = 0.0;
+    ss_set3(tool->normal, 0.0, 0.0, 0.0);
+    ss_set3(tool->arm, 0.0, 0.0, 0.0);
+}
+
 int32_t ss_mail_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX_PROBES])
 {
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
@@ -235,13 +248,13 @@ int32_t ss_mail_tools_take(ss_model *model, const ss_model_tool tool[SOFTSIM_MAX
             base->pose = base->from = tool[k].from;
             base->to = tool[k].to;
             if (!own->is_touching) {
-                own->e = 0.0;
+                ss_mail_tool_clear(own);
                 memcpy(own->before, model->u, 4 * (size_t)model->node_count * sizeof *model->u);
             }
         } else {
             base->grasp.count = 0;
-            base->grasp.is_pressed = own->is_touching = false;
-            own->dent = 0.0;
+            base->grasp.is_pressed = false;
+            ss_mail_tool_clear(own);
         }
     }
     const double parts = ss_tools_parts(&model->tools);

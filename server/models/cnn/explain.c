@@ -82,7 +82,8 @@ static double network_cost_us(const ss_model_plan *plan)
     const bool is_one_cell = plan->param[SS_CNN_SOURCE].number != 0.0;
     double cells = 0.0;
     for (int32_t k = 0; k < plan->load_count; ++k) {
-        cells += is_one_cell ? 1.0 : plan->load[k].node_count;
+        const double loaded = is_one_cell ? 1.0 : plan->load[k].node_count;
+        cells += ss_load_pushes(&plan->load[k]) ? loaded : 0.0;
     }
     for (int32_t k = 0; k < plan->prescribed_count; ++k) {
         cells += is_one_cell ? 1.0 : plan->prescribed[k].node_count;
@@ -102,7 +103,10 @@ static double free_cost_us(const ss_model_plan *plan, double *out_contact, doubl
 {
     const double nodes = plan->mesh->node_count, edges = edge_count(plan);
     const int32_t tools = ss_plan_tool_count(plan);
-    const double sources = plan->load_count + plan->prescribed_count;
+    double sources = plan->prescribed_count;
+    for (int32_t k = 0; k < plan->load_count; ++k) {
+        sources += ss_load_pushes(&plan->load[k]);
+    }
     const bool is_relaxed = plan->param[SS_CNN_SOLVER].number != 0.0;
     const double network = is_relaxed ? network_cost_us(plan) : 0.0;
     *out_contact = tools * (COST_TOOL + COST_TOOL_EDGE * edges);

@@ -194,7 +194,8 @@ static softsim_status allocate_influence(ss_cnn_network *network, bool is_kept, 
         softsim_error_add(
             error, SOFTSIM_ERROR_UNSUPPORTED,
             "cnn-energy: tools need the influence functions of %d cells, %lld MB, and %lld MB is "
-            "the limit (about %d nodes): use a coarser surface",
+            "the limit (about %d nodes): use a coarser surface (softsim-mesh remesh IN OUT "
+            "--edge-mm N)",
             network->influence_count, (long long)(bytes >> 20),
             (long long)(SS_CNN_INFLUENCE_BYTES >> 20),
             (int)sqrt((double)SS_CNN_INFLUENCE_BYTES / (double)sizeof(ss_real)));

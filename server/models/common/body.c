@@ -439,8 +439,10 @@ void ss_body_explain(const ss_body *body, const ss_notes *out)
         ss_plan_say_substeps(&body->plan, share, out);
     }
     if (!body->is_held && body->has_gravity) {
-        ss_note_warning(out, "object.fixed",
-                        "gravity acts and supports do not hold the body: it falls");
+        ss_note_warning(
+            out, "object.fixed",
+            "gravity acts and supports do not hold the body, or not every part of it: what "
+            "is not held falls");
     } else {
         ss_tools_warn_unheld(&body->tools, body->is_held, out);
     }

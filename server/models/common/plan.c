@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "rt/each.h"
 #include "rt/memory.h"
 #include "rt/vec.h"
 
@@ -250,6 +251,14 @@ static void check_prescribed(const checker *check, int32_t which, uint8_t *taken
     }
 }
 
+/* What is held of each body of the mesh. */
+typedef struct plan_bodies {
+    int32_t *of;            /* of a node; -1: none */
+    double (*matrix)[6][6]; /* sum of the rows of what is held, in rigid motions */
+    bool *is_judged;
+    double centre[3], size; /* of them all */
+} plan_bodies;
+
 /* Adds the constraint rows (axis, r x axis) of the axes in `mask` to the 6 x 6 normal matrix. */
 static void add_constraint(double matrix[6][6], const double r[3], uint8_t mask)
 {
@@ -304,29 +313,59 @@ static bool is_full_rank(double matrix[6][6])
     return true;
 }
 
-/* Do the fixed and prescribed axes of nodes with a size stop every rigid motion of the body? */
-static bool is_held(const ss_model_plan *plan, const double *size_of)
+/* Adds what is given along the axes `mask` of node i to the matrix of its body. */
+static void add_held(const plan_bodies *bodies, const ss_mesh *mesh, int32_t i, uint8_t mask)
+{
+    double r[3];
+    if (bodies->of[i] >= 0) {
+        ss_sub3(r, mesh->position[i], bodies->centre);
+        ss_scale3(r, r, 1.0 / bodies->size);
+        add_constraint(bodies->matrix[bodies->of[i]], r, mask);
+    }
+}
+
+/* Do the fixed and prescribed axes of nodes with a size stop every rigid motion of every body that
+ * has such nodes? */
+static bool is_held(const plan_bodies *bodies, const ss_model_plan *plan, const double *size_of)
 {
     const ss_mesh *mesh = plan->mesh;
-    double centre[3], matrix[6][6] = {{0.0}};
-    const double size = ss_mesh_radius(mesh, centre);
     for (int32_t i = 0; i < mesh->node_count; ++i) {
-        double r[3];
-        ss_sub3(r, mesh->position[i], centre);
-        ss_scale3(r, r, 1.0 / size);
-        add_constraint(matrix, r, size_of[i] >= 0.0 ? plan->fixed[i] : 0);
+        add_held(bodies, mesh, i, size_of[i] >= 0.0 ? plan->fixed[i] : 0);
     }
     for (int32_t p = 0; p < plan->prescribed_count; ++p) {
         const ss_prescribed *set = &plan->prescribed[p];
         for (int32_t i = 0; i < set->node_count; ++i) {
-            double r[3];
-            ss_sub3(r, mesh->position[set->node[i]], centre);
-            ss_scale3(r, r, 1.0 / size);
-            add_constraint(matrix, r,
-                           size_of[set->node[i]] >= 0.0 ? ss_plan_driven_axes(set, i) : 0);
+            const int32_t node = set->node[i];
+            add_held(bodies, mesh, node, size_of[node] >= 0.0 ? ss_plan_driven_axes(set, i) : 0);
         }
     }
-    return is_full_rank(matrix);
+    bool is_every = true;
+    for (int32_t i = 0; i < mesh->node_count && is_every; ++i) {
+        const int32_t body = bodies->of[i];
+        if (body >= 0 && size_of[i] >= 0.0 && !bodies->is_judged[body]) {
+            bodies->is_judged[body] = true;
+            is_every = is_full_rank(bodies->matrix[body]);
+        }
+    }
+    return is_every;
+}
+
+/* One row a body of the mesh; each apart from the others. */
+static softsim_status judge_held(const ss_model_plan *plan, const double *size_of,
+                                 bool *out_is_held)
+{
+    const ss_mesh *mesh = plan->mesh;
+    plan_bodies bodies = {.of = ss_memory_get((size_t)mesh->node_count, sizeof *bodies.of)};
+    const int32_t count = bodies.of ? ss_mesh_find_bodies(mesh, bodies.of) : -1;
+    if (count > 0) {
+        bodies.matrix = ss_memory_get((size_t)count, sizeof *bodies.matrix);
+        bodies.is_judged = ss_memory_get((size_t)count, sizeof *bodies.is_judged);
+    }
+    bodies.size = ss_mesh_radius(mesh, bodies.centre);
+    const bool is_good = count == 0 || (bodies.matrix && bodies.is_judged);
+    *out_is_held = is_good && count > 0 && is_held(&bodies, plan, size_of);
+    SS_EACH(ss_memory_free, bodies.of, bodies.matrix, bodies.is_judged);
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_MEMORY;
 }
 
 softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const double *size,
@@ -355,8 +394,8 @@ softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const 
     }
     ss_memory_free(taken);
     const bool is_sound = !error || error->fault_count == before;
-    *out_is_held = is_sound && is_held(plan, size);
-    return is_sound ? SOFTSIM_OK : SOFTSIM_ERROR_SCENE;
+    *out_is_held = false;
+    return is_sound ? judge_held(plan, size, out_is_held) : SOFTSIM_ERROR_SCENE;
 }
 
 /* ---- contact ---- */

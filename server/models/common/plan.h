@@ -65,7 +65,7 @@ double ss_prescribed_set_place(const ss_prescribed_set *prescribed, double path,
 /* What is wrong with loads, prescribed sets, gravity, step and budget, all of it, each line begun
  * with `name`, the model's. `size`: a value a node, below 0 where the model has nothing that could
  * be pushed or held; `outside` is what a load on such nodes is refused with (NULL: it is not).
- * out_is_held: do the fixed and prescribed axes stop every rigid motion? SOFTSIM_OK,
+ * out_is_held: do the fixed and prescribed axes stop every rigid motion of every body? SOFTSIM_OK,
  * SOFTSIM_ERROR_SCENE or SOFTSIM_ERROR_MEMORY. Thread: set-up only. */
 softsim_status ss_plan_check(const ss_model_plan *plan, const char *name, const double *size,
                              const char *outside, bool *out_is_held, softsim_error *error);

@@ -125,8 +125,8 @@ void ss_tools_warn_unheld(const ss_tools *tools, bool is_held, const ss_notes *o
 {
     if (!is_held && tools->surface) {
         ss_note_warning(out, "object.fixed",
-                        "the supports do not hold the body: a tool pushes it away; hold more of it "
-                        "with object.fixed");
+                        "the supports do not hold the body, or not every part of it: a tool pushes "
+                        "away what is not held; hold more of it with object.fixed");
     }
 }
 

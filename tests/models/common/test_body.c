@@ -7,6 +7,7 @@
 #include "common/test.h"
 
 #include "body_fixture.h"
+#include "models/common/plan.h"
 
 /* ---- motion ---- */
 
@@ -433,6 +434,26 @@ TEST(faults_of_a_plan_are_named)
     assert_null(b.body);
 #endif
     bench_fini(&b);
+}
+
+/* Two tetrahedra that share nothing: the first held, of the second `k` nodes. */
+TEST(a_body_is_held_when_every_part_of_it_is)
+{
+    static const double x[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1},
+                                   {5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {5, 0, 1}};
+    static const int32_t element[2][4] = {{0, 1, 2, 3}, {4, 5, 6, 7}};
+    const double size[8] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+    ss_mesh *mesh = NULL;
+    assert_int_equal(ss_mesh_create(8, x, 0, NULL, 2, element, &mesh, NULL), SOFTSIM_OK);
+    for (int k = 0; k <= 4; ++k) {
+        uint8_t fixed[8] = {7, 7, 7, 7, 0, 0, 0, 0};
+        memset(fixed + 4, 7, (size_t)k);
+        const ss_model_plan plan = {.mesh = mesh, .fixed = fixed, .step = 1e-3, .max_substeps = 1};
+        bool is_held = false;
+        assert_int_equal(ss_plan_check(&plan, "test", size, "", &is_held, NULL), SOFTSIM_OK);
+        assert_int_equal(is_held, k >= 3);
+    }
+    ss_mesh_destroy(&mesh);
 }
 
 int main(void)
