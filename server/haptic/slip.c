@@ -6,10 +6,14 @@
  * The coupling is without force where the proxy is at x + aside. At the limit the proxy slips out
  * along the local contact model's force (coupling.c); what of that slip lies across the force when
  * the force turns goes into `aside`, so that the proxy stays, and fades: in the end the force
- * points from the hand to the proxy. A grasp let go leaves all of it there: until the model holds
- * no more, some 20 ms of its time, the proxy stays. `aside` belongs to the hand's point, not to
- * where the coupling and its damper together would have the proxy: that depends on the spring,
- * which is another one in and out of contact.
+ * points from the hand to the proxy. A grasp pulls either way: a hand that moves over the place
+ * where it took hold turns the force by more than a right angle, and then lies on the side to which
+ * it is pulled. There `aside` may lie against the force, and where nothing is limited it only
+ * fades: were that part dropped, as for contacts, which only push, the proxy would be millimetres
+ * on in a tick, and the force the other way round. A grasp let go leaves all of it there: until the
+ * model holds no more, some 20 ms of its time, the proxy stays. `aside` belongs to the hand's
+ * point, not to where the coupling and its damper together would have the proxy: that depends on
+ * the spring, which is another one in and out of contact.
  */
 #include "haptic/internal.h"
 #include "rt/vec.h"
@@ -80,11 +84,14 @@ void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
         return;
     }
     slip->is_from_grasp = slip->is_from_grasp && !(is_limited && has_force);
-    if (!slip->is_from_grasp && has_force && (is_limited || ss_norm3(slip->aside) > 0.0)) {
+    const bool is_beside = ss_norm3(slip->aside) > 0.0 && !balance->is_held;
+    if (!slip->is_from_grasp && has_force && (is_limited || is_beside)) {
         double d[3];
         ss_sub3(d, rest->p, balance->p_free);
         ss_madd3(d, slip->aside, balance->spring / spring, d);
-        ss_madd3(slip->aside, d, -ss_dot3(d, slip->direction), slip->direction);
+        const double along = ss_dot3(d, slip->direction);
+        const double kept = balance->is_held ? fmin(0.0, along - size / spring) : 0.0;
+        ss_madd3(slip->aside, d, kept - along, slip->direction);
     }
     ss_scale3(slip->aside, slip->aside, exp(-period / ASIDE_TIME));
     if (ss_norm3(slip->aside) < NEGLIGIBLE) {

@@ -114,6 +114,46 @@ TEST(a_still_hand_is_not_shaken_by_what_it_holds)
     assert_int_equal(shaken, 0);
 }
 
+/* At the limit a hand goes to and fro over the place where it took hold, by 12 mm at 0.3 m/s. A
+ * spring of 430 N/m turns 0.5 N by 15 degrees a tick, from one side to the other; not to and fro.
+ */
+TEST(at_the_limit_a_grasp_does_not_flip_as_the_hand_comes_back)
+{
+    static const double ground[] = {200, 500, 1000};
+    for (int i = 0; i < 3; ++i) {
+        enum { GRASPED = 500, FROM = 600, END = 1400 };
+        const double limit = 0.5, speed = 0.3, most = 0.012;
+        tissue t = {.mass = 0.01, .ground = ground[i], .springs = 3000};
+        rig r;
+        ss_haptic_config config = default_config();
+        config.max_force = limit;
+        config.damping = 2.0;
+        rig_start(&r, &config);
+        double x = 0.0, way = speed, last[3] = {0.0}, worst = 0.0;
+        for (int n = 0; n < END; ++n) {
+            if (n > 0) {
+                answer(&r, &t, 1);
+            }
+            r.pose.buttons = n > GRASPED ? SOFTSIM_BUTTON_GRASP : 0;
+            way = fabs(x + way * T) > most ? -way : way;
+            x += n > FROM ? way * T : 0.0;
+            r.pose.position[0] = x;
+            r.pose.velocity[0] = n > FROM ? way : 0.0;
+            (void)rig_tick(&r, 1e-3 - 9e-3 * fmin(1.0, n / 300.0));
+            const double *f = r.out.force.force;
+            const double size = ss_norm3(f), before = ss_norm3(last);
+            if (n > FROM && size > 0.3 * limit && before > 0.3 * limit) {
+                worst = fmax(worst, acos(fmax(-1.0, ss_dot3(f, last) / (size * before))));
+            }
+            ss_copy3(last, f);
+        }
+        print_message("ground of %g N/m: %.0f degrees a tick at most\n", ground[i],
+                      worst * 180.0 / SS_PI);
+        assert_true(worst < 1.0);
+        rig_end(&r);
+    }
+}
+
 /* Grasping, drawn aside, reset with the button down: the tool comes into tissue at rest and takes
  * none of it, until the button has been up. */
 TEST(a_button_held_down_through_a_reset_grasps_nothing)
