@@ -205,12 +205,9 @@ static inline void write_stl_bytes(const wreck *w, FILE *file)
     }
 }
 
-/* What PLY and OFF have in common. */
-static inline void write_rows(const wreck *w, FILE *file)
+/* A face a line, its number of corners first: as PLY, OFF and VTK have it. */
+static inline void write_faces(const wreck *w, FILE *file)
 {
-    for (int32_t i = 0; i < w->nodes; ++i) {
-        (void)fprintf(file, "%.9g %.9g %.9g\n", w->x[i][0], w->x[i][1], w->x[i][2]);
-    }
     for (int32_t f = 0; f < w->faces; ++f) {
         const int corners = w->face[f][3] < 0 ? 3 : 4;
         (void)fprintf(file, "%d", corners);
@@ -219,6 +216,15 @@ static inline void write_rows(const wreck *w, FILE *file)
         }
         (void)fputc('\n', file);
     }
+}
+
+/* What PLY and OFF have in common. */
+static inline void write_rows(const wreck *w, FILE *file)
+{
+    for (int32_t i = 0; i < w->nodes; ++i) {
+        (void)fprintf(file, "%.9g %.9g %.9g\n", w->x[i][0], w->x[i][1], w->x[i][2]);
+    }
+    write_faces(w, file);
 }
 
 static inline void write_ply_text(const wreck *w, FILE *file)
@@ -275,12 +281,5 @@ static inline void write_vtk_text(const wreck *w, FILE *file)
         numbers += w->face[f][3] < 0 ? 4 : 5;
     }
     (void)fprintf(file, "POLYGONS %d %d\n", w->faces, numbers);
-    for (int32_t f = 0; f < w->faces; ++f) {
-        const int corners = w->face[f][3] < 0 ? 3 : 4;
-        (void)fprintf(file, "%d", corners);
-        for (int k = 0; k < corners; ++k) {
-            (void)fprintf(file, " %d", w->face[f][k]);
-        }
-        (void)fputc('\n', file);
-    }
+    write_faces(w, file);
 }
