@@ -19,8 +19,7 @@ static const size_t large_page = (size_t)2 << 20; /* bytes */
  * nothing is ordered by it, hence relaxed everywhere. */
 static atomic_int_least64_t bytes_in_use;
 
-/* A fault for each page of 4 KB is a third of the start-up of a fine mesh. No matter if refused. */
-static void ask_for_large_pages(char *block, size_t bytes)
+void ss_memory_ask_large_pages(char *block, size_t bytes)
 {
     if (bytes >= large_page) {
         char *begin = block + (PAGE - (uintptr_t)block % PAGE) % PAGE;
@@ -39,7 +38,7 @@ void *ss_memory_get(size_t count, size_t size)
     if (posix_memalign(&block, ALIGNMENT, ALIGNMENT + bytes) != 0) {
         return NULL;
     }
-    ask_for_large_pages(block, ALIGNMENT + bytes);
+    ss_memory_ask_large_pages(block, ALIGNMENT + bytes);
     /* Zeroing also touches every page, so that no loop faults on it later. */
     memset(block, 0, ALIGNMENT + bytes);
     memcpy(block, &bytes, sizeof bytes);

@@ -19,5 +19,8 @@ void *ss_memory_grow(void *memory, int32_t count, int32_t *inout_room, size_t si
 /* Accepts NULL. */
 void ss_memory_free(void *memory);
 int64_t ss_memory_in_use(void);
+/* Asks for large pages where `block` has 2 MB and more: a fault for each page of 4 KB is a third of
+ * the start-up of a fine mesh. A refusal does not matter. */
+void ss_memory_ask_large_pages(char *block, size_t bytes);
 /* Says in `error` that there is no memory left, and returns that status. */
 softsim_status ss_memory_fault(softsim_error *error);

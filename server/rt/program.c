@@ -11,16 +11,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "rt/memory.h"
+
 /* Bytes: the largest block, and all at the heap's end, that malloc is told to keep; by how much the
  * heap grows at first; all three as malloc has them; what makes the heap grow. */
 enum { KEPT_BLOCK = 32 << 20, KEPT_END = 1 << 30, SETUP_GROWTH = 64 << 20 };
-enum { USUAL_SIZE = 128 << 10, FIRST_BLOCK = 1 << 20, PAGE = 4096 };
+enum { USUAL_SIZE = 128 << 10, FIRST_BLOCK = 1 << 20 };
 
 void ss_program_begin_setup(void)
 {
@@ -28,10 +29,9 @@ void ss_program_begin_setup(void)
     (void)mallopt(M_TRIM_THRESHOLD, KEPT_END);
     (void)mallopt(M_TOP_PAD, SETUP_GROWTH);
     char *first = malloc(FIRST_BLOCK), *end = sbrk(0);
-    /* Else malloc has no heap; a refusal does not matter. */
+    /* Else malloc has no heap. */
     if (first != NULL && (uintptr_t)first < (uintptr_t)end) {
-        char *begin = first + (PAGE - (uintptr_t)first % PAGE) % PAGE;
-        (void)madvise(begin, (size_t)(end - begin), MADV_HUGEPAGE);
+        ss_memory_ask_large_pages(first, (size_t)(end - first));
     }
     free(first);
 }

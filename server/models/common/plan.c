@@ -254,8 +254,8 @@ static void check_prescribed(const checker *check, int32_t which, uint8_t *taken
 /* What is held of each body of the mesh. */
 typedef struct plan_bodies {
     int32_t *of;            /* of a node; -1: none */
-    double (*matrix)[6][6]; /* sum of the rows of what is held, in rigid motions */
-    bool *is_judged;
+    double (*matrix)[6][6]; /* of a body: what is held against each rigid motion */
+    bool *is_judged;        /* of a body */
     double centre[3], size; /* of them all */
 } plan_bodies;
 
@@ -350,7 +350,7 @@ static bool is_held(const plan_bodies *bodies, const ss_model_plan *plan, const 
     return is_every;
 }
 
-/* One row a body of the mesh; each apart from the others. */
+/* Each body of the mesh has to be held by itself. */
 static softsim_status judge_held(const ss_model_plan *plan, const double *size_of,
                                  bool *out_is_held)
 {

@@ -132,7 +132,7 @@ typedef struct ss_quadratic_stability {
     ss_real *ratio;       /* [block][8]: scratch */
     int32_t *block;       /* list: scratch */
     double rate2;         /* of the state at the last look, from above */
-    double certain_rate2; /* of its elements alone: a bound; 0 before the first look */
+    double certain_rate2; /* by its elements, as last looked at; 0 at first */
     double strain;        /* largest |2E| since stable_step was called last */
     int32_t turn;
     int32_t squeezed, inverted, worst;
