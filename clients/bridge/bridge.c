@@ -198,7 +198,10 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     ss_copy3(bridge->device_force, device);
     ss_frame_force_to_world(&bridge->frame, device, bridge->applied_world);
     bridge->device.exert(bridge->device.state, device);
-    bridge->summary.peak_force_n = fmax(bridge->summary.peak_force_n, ss_norm3(device));
+    if (ss_norm3(device) > bridge->summary.peak_force_n) {
+        bridge->summary.peak_force_n = ss_norm3(device);
+        bridge->summary.peak_indentation_m = bridge->indented;
+    }
     bridge->summary.contact_ticks += is_contact;
     ++bridge->summary.ticks;
 }

@@ -48,6 +48,7 @@ typedef struct ss_bridge_summary {
     int64_t forces, lost; /* lost: on the simulated bus, both directions */
     int64_t answered;     /* poses with at least one force */
     double peak_force_n, energy_in_j;
+    double peak_indentation_m; /* of the newest force as the peak was exerted; 0 without a server */
     double latency_sum_us, max_latency_us; /* of the first force that answers a pose */
     int64_t others;    /* answers that another sender holds the probe; no forces */
     double other_s;    /* from the first of them to the first force after */

@@ -249,7 +249,11 @@ static void report(const ss_bridge_summary *s, bool is_linear)
                s->latency_sum_us / (s->answered > 0 ? (double)s->answered : 1.0),
                s->max_latency_us);
     }
-    printf("peak force  %.6g N\n", s->peak_force_n);
+    printf("peak force  %.6g N", s->peak_force_n);
+    if (!is_linear && s->peak_force_n > 0.0) {
+        printf(" at %.3g mm of indentation", 1e3 * s->peak_indentation_m);
+    }
+    printf("\n");
     printf("contact     %.1f %% of the time\n", 100.0 * (double)s->contact_ticks / ticks);
     printf("energy in   %.6g J\n", s->energy_in_j);
 }

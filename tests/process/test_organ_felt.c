@@ -3,6 +3,8 @@
 /* From a bare OBJ to a felt organ with the README's three commands, and hands that miss. */
 #include "common/test.h"
 
+#include <math.h>
+
 #include "common/effort.h"
 #include "daemon_fixture.h"
 
@@ -16,6 +18,24 @@ static const char *bare_obj(void)
         fail_msg("%s", other.err);
     }
     return in_folder("bare.obj");
+}
+
+/* What was felt, beside what the scene's two presses said of rest: both of a depth from the first
+ * touch. A force grows with depth at a power from 1 to 2, on the power that the two presses have
+ * between them; in motion it is more, by what the scene says or a hand that moves faster adds. */
+static void expect_between(double force, double indentation_mm)
+{
+    const char *said = strstr(other.out, "pressed and held: "), *deep = strstr(other.out, " mm); ");
+    double first[2], second[2];
+    assert_true(said != NULL && deep != NULL);
+    assert_int_equal(
+        sscanf(said, "pressed and held: %lf N at %lf mm of indentation", &first[0], &first[1]), 2);
+    assert_int_equal(sscanf(deep, " mm); %lf N at %lf mm", &second[0], &second[1]), 2);
+    const double power = log(second[0] / first[0]) / log(second[1] / first[1]);
+    const double at_rest = first[0] * pow(indentation_mm / first[1], power);
+    print_message("%.3f N felt at %.2f mm, %.3f N at rest\n", force, indentation_mm, at_rest);
+    assert_true(power > 0.8 && power < 2.2);
+    assert_true(force > 0.7 * at_rest && force < 2.0 * at_rest);
 }
 
 TEST_WITH(a_bare_obj_is_felt_after_three_commands, make_folder, tear_down)
@@ -33,13 +53,15 @@ TEST_WITH(a_bare_obj_is_felt_after_three_commands, make_folder, tear_down)
     if (process_run(&client, feel) != 0) {
         fail_msg("%s%s", client.out, client.err);
     }
-    double share = 0.0, force = 0.0;
+    double share = 0.0, force = 0.0, indentation_mm = 0.0;
     const char *contact = strstr(client.out, "contact "), *peak = strstr(client.out, "peak force ");
     assert_true(contact != NULL && peak != NULL);
     assert_int_equal(sscanf(contact, "contact %lf", &share), 1);
-    assert_int_equal(sscanf(peak, "peak force %lf", &force), 1);
+    assert_int_equal(
+        sscanf(peak, "peak force %lf N at %lf mm of indentation\n", &force, &indentation_mm), 2);
     print_message("%s%s", client.out, client.err);
     assert_true(share > 0.0 && force > 0.0);
+    expect_between(force, indentation_mm);
     assert_null(strstr(client.err, "inside the tissue"));
     assert_int_equal(stop_daemon(), 0);
 }

@@ -40,7 +40,8 @@ static double number_after(const char *where, const char *mark)
 /* The force that is told, beside Hertz' for what is told of depth, tool and modulus. */
 static double told_ratio(void)
 {
-    const double force = number_after(out, "pressed: "), depth = 1e-3 * number_after(out, " N at ");
+    const double force = number_after(out, "pressed and held: ");
+    const double depth = 1e-3 * number_after(out, "(the surface went ");
     const double radius = 1e-3 * number_after(out, "a ball of ");
     const double modulus = number_after(out, "times Hertz's force for ");
     return force / (4.0 / 3.0 * modulus / (1.0 - 0.45 * 0.45) * sqrt(radius) * depth * sqrt(depth));
@@ -113,6 +114,29 @@ TEST_WITH(the_unit_is_judged_by_size, make_folder, remove_folder)
     assert_int_equal(run(TOOL "scene body.obj --tissue liver --out n.yaml", out, sizeof out), 2);
     assert_non_null(strstr(out, "give --units"));
     assert_int_equal(access(in_folder("n.yaml"), F_OK), -1);
+}
+
+/* In a unit that makes no organ of it it is taken, and told. The kidney has 107 to 110 mm. */
+TEST_WITH(a_size_that_no_organ_has_is_told, make_folder, remove_folder)
+{
+    run_tool("generate kidney --points 120 --units mm --out body.obj");
+    assert_int_equal(
+        run(TOOL "scene body.obj --tissue kidney --units cm --out o.yaml", out, sizeof out), 0);
+    const double size = number_after(out, "warning: o.yaml: --units cm makes the longest side of "
+                                          "body.obj ");
+    assert_true(size > 1050.0 && size < 1110.0);
+    const double fitting = number_after(out, "; in mm it has ");
+    assert_true(fabs(fitting - 0.1 * size) < 0.1);
+    assert_non_null(strstr(out, " mm: --units mm\n"));
+    assert_int_equal(
+        run(TOOL "scene body.obj --tissue kidney --units mm --out o.yaml", out, sizeof out), 0);
+    assert_null(strstr(out, "an organ has 2 to 30 cm"));
+    run_tool("generate block --size-mm 1e3,1e3,1e3 --points 120 --units m --out body.obj");
+    assert_int_equal(
+        run(TOOL "scene body.obj --tissue liver --units mm --out n.yaml", out, sizeof out), 2);
+    assert_int_equal(
+        run(TOOL "scene body.obj --tissue liver --units m --out n.yaml", out, sizeof out), 0);
+    assert_non_null(strstr(out, "--units m makes the longest side of body.obj 1000 mm"));
 }
 
 /* What is held: what was asked for is what the scene has, and the server counts the same. */

@@ -2,8 +2,9 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #pragma once
 /*
- * What softsim-mesh scene has decided, and the parts that it is made by: organ_text.c writes it as
- * a scene, organ_picture.c draws it, scene.c decides. SI, world frame.
+ * What softsim-mesh scene has decided, and the parts that it is made by: organ_unit.c chooses the
+ * unit, organ_text.c writes it as a scene, organ_picture.c draws it, scene.c decides the rest. SI,
+ * world frame.
  */
 #include <stdio.h>
 
@@ -13,9 +14,10 @@
 #include "trial.h"
 
 typedef struct organ {
-    const char *mesh_name;  /* as the scene is to name the file */
-    const char *unit;       /* of the file */
-    const char *unit_words; /* why */
+    const char *mesh_name; /* as the scene is to name the file */
+    const char *unit;      /* of the file */
+    char unit_words[160];  /* why */
+    char unit_doubt[200];  /* "": none; it is no organ's size in the unit that was given */
     bool is_repaired;
     double low[3], high[3], diagonal, edge; /* of the surface: box, diagonal, mean edge */
     double volume, area;
@@ -42,6 +44,11 @@ typedef struct organ {
     ss_touch touch;
     trial_result trial;
 } organ;
+
+/* The unit of the mesh in `path`, `given` by its number or, -1, judged by its size; the positions
+ * become metres. */
+softsim_status organ_choose_unit(organ *o, const char *path, int32_t given, ss_mesh *mesh,
+                                 softsim_error *error);
 
 /* The constants of the model, a line each as they stand under `model:`. */
 void organ_write_model(FILE *out, const organ *o);

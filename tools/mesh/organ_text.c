@@ -45,7 +45,7 @@ static void write_head(FILE *out, const organ *o)
 {
     const trial_result *t = &o->trial;
     const double hertz =
-        trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, t->depth);
+        trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, t->held.depth);
     (void)fprintf(out,
                   "# Written by softsim-mesh scene: %s as %s, %.3g x %.3g x %.3g mm, %d nodes.\n",
                   o->tissue->name, o->model->name, 1e3 * (o->high[0] - o->low[0]),
@@ -64,10 +64,13 @@ static void write_head(FILE *out, const organ *o)
                   o->side, o->touch.origin[0], o->touch.origin[1], o->touch.origin[2]);
     (void)fprintf(
         out,
-        "# Pressed as this was written: %.3g N at %.3g mm (Hertz: %.3g N), then to %.3g mm: "
-        "%s%s%s.\n",
-        t->force, 1e3 * t->depth, hertz, 1e3 * o->deepest, softsim_verdict_name(t->verdict),
-        t->reason[0] != '\0' ? ": " : "", t->reason);
+        "# Pressed as this was written, and held: %.3g N at %.3g mm of indentation (Hertz: %.3g "
+        "N), then %.3g N at %.3g mm: %s%s%s.\n"
+        "# Beside softsim-bridge's peak force: these are at rest; in motion, at %.3g mm/s, the "
+        "first was %.3g N.\n",
+        t->held.force, 1e3 * t->held.indentation, hertz, t->deepest.force,
+        1e3 * t->deepest.indentation, softsim_verdict_name(t->verdict),
+        t->reason[0] != '\0' ? ": " : "", t->reason, 1e3 * t->speed, t->moving_force);
     (void)fprintf(out, "# A step of %.3g ms is planned with %.3g ms of a core", 1e3 * o->step_s,
                   1e-3 * o->step_cost_us);
     if (o->stable_step_s > 0.0 && isfinite(o->stable_step_s)) {

@@ -32,8 +32,6 @@
 #include "rt/vec.h"
 
 enum { SCALINGS = 4, MAX_MODELS = 4 };
-static const double ORGAN_LOW_M = 0.02, ORGAN_HIGH_M = 0.30, ORGAN_USUAL_M = 0.12;
-static const double LEAST_MM = 2.0, GREATEST_MM = 2e4; /* for tools and models, of --units */
 static const double HELD_SHARE = 0.15;   /* of the body's height, away from the hand */
 static const double TOOL_SHARE = 0.05;   /* its radius, of the body's diagonal */
 static const double FINGERTIP_M = 0.01;  /* and not larger, but for that */
@@ -131,70 +129,6 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
 }
 
 /* ---- choices before the scene is loaded ---- */
-
-/* The unit in which the longest side is nearest to an organ's. -1: in none of them. *out_other:
- * another that would do, or -1. */
-static int32_t judge_unit(double longest, int32_t *out_other)
-{
-    int32_t best = -1;
-    double least = INFINITY;
-    *out_other = -1;
-    for (int32_t u = 0; u < UNIT_COUNT; ++u) {
-        const double size = longest * metres_per_unit(u);
-        const double off = fabs(log(size / ORGAN_USUAL_M));
-        if (size < ORGAN_LOW_M * 0.999 || size > ORGAN_HIGH_M * 1.001) {
-            continue;
-        }
-        *out_other = off < least ? best : u;
-        best = off < least ? u : best;
-        least = fmin(least, off);
-    }
-    return best;
-}
-
-static softsim_status choose_unit(const request *q, ss_mesh *mesh, organ *o, softsim_error *error)
-{
-    static char words[160];
-    static const double still[3] = {0.0, 0.0, 0.0};
-    double low[3], high[3], longest = 0.0;
-    ss_bounds3(mesh->node_count, (const double(*)[3])mesh->position, low, high);
-    for (int k = 0; k < 3; ++k) {
-        longest = fmax(longest, high[k] - low[k]);
-    }
-    int32_t other = -1;
-    const int32_t judged = judge_unit(longest, &other);
-    const int32_t unit = q->units >= 0 ? q->units : judged;
-    if (unit < 0) {
-        softsim_error_add(
-            error, SOFTSIM_ERROR_ARGUMENT,
-            "%s: %.3g x %.3g x %.3g is the size of an organ (2 to 30 cm) in none of mm, "
-            "cm, dm, m; give --units",
-            q->mesh, high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-        return SOFTSIM_ERROR_ARGUMENT;
-    }
-    const double size_mm = 1e3 * longest * metres_per_unit(unit);
-    if (q->units >= 0) {
-        (void)snprintf(words, sizeof words, "as given: the longest side is %.4g mm", size_mm);
-    } else {
-        (void)snprintf(
-            words, sizeof words,
-            "judged by size, %.3g x %.3g x %.3g: an organ has 2 to 30 cm, so %.4g mm%s%s%s",
-            high[0] - low[0], high[1] - low[1], high[2] - low[2], size_mm, other >= 0 ? "; " : "",
-            other >= 0 ? unit_name(other) : "", other >= 0 ? " would do too: --units" : "");
-    }
-    if (size_mm < LEAST_MM || size_mm > GREATEST_MM) {
-        softsim_error_add(
-            error, SOFTSIM_ERROR_ARGUMENT,
-            "--units: in %s its longest side has %.4g mm, and a tissue's scene has %g to %g: give "
-            "another, or leave it out",
-            unit_name(unit), size_mm, LEAST_MM, GREATEST_MM);
-        return SOFTSIM_ERROR_ARGUMENT;
-    }
-    o->unit = unit_name(unit);
-    o->unit_words = words;
-    ss_mesh_transform(mesh, metres_per_unit(unit), still, still);
-    return SOFTSIM_OK;
-}
 
 static void measure(const ss_mesh *mesh, organ *o)
 {
@@ -484,9 +418,9 @@ static void press(softsim_world *world, organ *o, double deepest)
 
 static double ratio_of(const organ *o)
 {
-    const double hertz =
-        trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, o->trial.depth);
-    return hertz > 0.0 ? o->trial.force / hertz : 0.0;
+    const double hertz = trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius,
+                                     o->trial.held.depth);
+    return hertz > 0.0 ? o->trial.held.force / hertz : 0.0;
 }
 
 /* Scales the forces of a model without physical constants to Hertz'. */
@@ -559,10 +493,15 @@ static void tell(const request *q, const organ *o)
     (void)printf("  held: %d nodes; a ball of %.3g mm touches at %.4f,%.4f,%.4f, coming from %s\n",
                  o->fixed_count, 1e3 * o->radius, o->touch.origin[0], o->touch.origin[1],
                  o->touch.origin[2], o->side);
-    (void)printf(
-        "  pressed: %.3g N at %.3g mm, %.2f times Hertz's force for %.4g Pa; to %.3g mm: %s%s%s\n",
-        t->force, 1e3 * t->depth, ratio_of(o), o->tissue->youngs_modulus, 1e3 * o->deepest,
-        softsim_verdict_name(t->verdict), t->reason[0] != '\0' ? ": " : "", t->reason);
+    (void)printf("  pressed and held: %.3g N at %.3g mm of indentation, %.2f times Hertz's force "
+                 "for %.4g Pa "
+                 "(the surface went %.3g mm); %.3g N at %.3g mm: %s%s%s\n",
+                 t->held.force, 1e3 * t->held.indentation, ratio_of(o), o->tissue->youngs_modulus,
+                 1e3 * t->held.depth, t->deepest.force, 1e3 * t->deepest.indentation,
+                 softsim_verdict_name(t->verdict), t->reason[0] != '\0' ? ": " : "", t->reason);
+    (void)printf("  beside softsim-bridge's peak force: these are at rest; in motion, at %.3g "
+                 "mm/s, the first was %.3g N\n",
+                 1e3 * t->speed, t->moving_force);
     (void)printf("  a step of %.3g ms took %.3g ms of a core here (planned: %.3g ms)\n",
                  1e3 * o->step_s, 1e-3 * t->step_us, 1e-3 * o->step_cost_us);
     if (q->model == NULL && o->passed_over[0] != '\0') {
@@ -591,6 +530,9 @@ static void warn_of(const request *q, const organ *o)
 {
     const trial_result *t = &o->trial;
     const double ratio = ratio_of(o);
+    if (o->unit_doubt[0] != '\0') {
+        ss_plain_print(stderr, "softsim-mesh: warning: %s: %s\n", q->out, o->unit_doubt);
+    }
     if (!t->has_touched) {
         ss_plain_print(stderr, "softsim-mesh: warning: %s: the tool did not touch\n", q->out);
     } else if (t->verdict != SOFTSIM_VERDICT_GOOD) {
@@ -728,7 +670,7 @@ static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, o
                            softsim_error *error)
 {
     char name[PATH_MAX];
-    softsim_status status = choose_unit(q, mesh, o, error);
+    softsim_status status = organ_choose_unit(o, q->mesh, q->units, mesh, error);
     if (status != SOFTSIM_OK || (status = name_mesh(q, name, sizeof name, error)) != SOFTSIM_OK) {
         return status;
     }

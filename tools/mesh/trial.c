@@ -10,7 +10,7 @@
 
 /* s: of the parts of a press. */
 static const double COMES = 0.2, SETTLES = 0.3, DEEPENS = 0.2, STAYS = 0.1, LEAVES = 0.2;
-static const double READ = 0.05; /* s at the end of the hold in which force and depth are read */
+static const double READ = 0.05; /* s at the end of a hold in which force and depth are read */
 static const double CLEAR_SHARE = 1.0; /* of the depth: where it begins and ends, above */
 
 /* How far above the touch the tool is aimed to be at time t; negative: in the tissue. */
@@ -34,6 +34,28 @@ double trial_hertz(double youngs_modulus, double poisson_ratio, double radius, d
            pow(fmax(depth, 0.0), 1.5);
 }
 
+typedef struct reading {
+    double end; /* s */
+    trial_hold sum;
+    int32_t count;
+} reading;
+
+static void take_reading(reading *r, double t, double depth, double indentation, double force)
+{
+    if (t >= r->end - READ && t < r->end) {
+        r->sum.depth += depth;
+        r->sum.indentation += indentation;
+        r->sum.force += force;
+        ++r->count;
+    }
+}
+
+static trial_hold mean_of(const reading *r)
+{
+    const double n = r->count > 0 ? r->count : 1.0;
+    return (trial_hold){r->sum.depth / n, r->sum.indentation / n, r->sum.force / n};
+}
+
 void trial_run(softsim_world *world, const trial_press *press, trial_result *out)
 {
     softsim_state state;
@@ -43,8 +65,8 @@ void trial_run(softsim_world *world, const trial_press *press, trial_result *out
     const double end =
         press->deepest > press->depth ? held + DEEPENS + STAYS + LEAVES + SETTLES : held;
     const int32_t ticks = (int32_t)ceil(end / state.period_s), probe = 0;
-    double touched = 0.0, depth = 0.0, pressed = 0.0;
-    int32_t read = 0;
+    double touched = 0.0;
+    reading first = {.end = held}, second = {.end = held + DEEPENS + STAYS};
     *out = (trial_result){0};
     for (int32_t k = 0; k < ticks; ++k) {
         const double t = k * state.period_s;
@@ -62,15 +84,18 @@ void trial_run(softsim_world *world, const trial_press *press, trial_result *out
             out->has_touched = true;
             touched = proxy;
         }
-        if (t >= held - READ && t < held) {
-            depth += touched - proxy;
-            pressed += ss_dot3(force[0].model_force, press->towards);
-            ++read;
+        if (out->has_touched) {
+            const double indentation = touched - ss_dot3(pose.position, press->towards);
+            const double pressed = ss_dot3(force[0].model_force, press->towards);
+            out->moving_force = t < COMES ? pressed : out->moving_force;
+            take_reading(&first, t, touched - proxy, indentation, pressed);
+            take_reading(&second, t, touched - proxy, indentation, pressed);
         }
     }
     softsim_read(world, &state);
-    out->depth = out->has_touched ? depth / read : 0.0;
-    out->force = pressed / read;
+    out->speed = (height_at(press, 0.0) + press->depth) / COMES;
+    out->held = mean_of(&first);
+    out->deepest = mean_of(&second);
     out->verdict = state.worst_verdict;
     (void)snprintf(out->reason, sizeof out->reason, "%s", state.worst_reason);
     out->step_us = state.step_us[0];

@@ -5,7 +5,9 @@
  * A press on a scene in a world of this process, poses in and forces out as a hand feels them: the
  * tool comes down at the place of a touch, is held at a depth, goes on as deep as the bridge's
  * simulated hand does, and leaves. What it tells is what a scene is judged by before it is called
- * good. The depth is the way of the proxy since it first touched, the force the model's own.
+ * good. A hold's depth is the way of the proxy since it first touched, which the surface went and
+ * Hertz's force is for; its indentation the way of the tool since then, a little more, which the
+ * bridge tells (clients/common/indentation.h); its force the model's own.
  */
 #include "contact/touch.h"
 #include "world/world.h"
@@ -17,9 +19,15 @@ typedef struct trial_press {
     double deepest;    /* m, >= depth; the same: the press ends there */
 } trial_press;
 
+typedef struct trial_hold {
+    double depth, indentation, force; /* m, m, N: at rest */
+} trial_hold;
+
 typedef struct trial_result {
     bool has_touched;
-    double depth, force; /* m, N: held */
+    trial_hold held, deepest; /* the last: zeroes of a press that ends at its depth */
+    /* N: as the tool came to where it was held, at so many m/s. What inertia and viscosity add. */
+    double moving_force, speed;
     softsim_verdict verdict;
     char reason[160];
     double step_us, step_us_p99, period_us; /* thread CPU of a step here, and what it may take */
