@@ -86,9 +86,20 @@ static const int cube_face[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
                                      {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
                                      {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
 
+static void expect_cut(const char *name, const void *data, size_t size, const char *says)
+{
+    ss_mesh *m = NULL;
+    softsim_error error = {0};
+    assert_int_equal(ss_mesh_load(write_bytes(name, data, size), 1.0, importer, &m, &error),
+                     SOFTSIM_ERROR_FORMAT);
+    if (error.fault_count != 1 || strstr(error.text, says) == NULL) {
+        fail_msg("%s: %s", name, error.text);
+    }
+}
+
 TEST(ascii_and_binary_stl_join_their_corners)
 {
-    char text[8192] = "solid cube\n";
+    char text[8192] = "solid facet\n"; /* a name may be a word of the format */
     char binary[84 + 12 * 50] = "binary";
     const uint32_t count = 12;
     memcpy(binary + 80, &count, sizeof count);
@@ -105,9 +116,19 @@ TEST(ascii_and_binary_stl_join_their_corners)
         }
         (void)snprintf(text + used, sizeof text - used, "endloop\nendfacet\n");
     }
-    strcat(text, "endsolid cube\n");
+    strcat(text, "endsolid facet\n");
     expect_cube(write_text("ascii.stl", text), 8);
     expect_cube(write_bytes("binary.STL", binary, sizeof binary), 8);
+    expect_cut("cut.stl", binary, sizeof binary - 60,
+               "cut.stl: it is cut off: its header says 12 triangles, and 10 are there: ");
+    expect_cut("headless.stl", binary, 84, "says 12 triangles, and 0 are there: ");
+    const size_t size = strlen(text), end = strlen("endsolid facet\n");
+    expect_cut("endless.stl", text, size - end,
+               "endless.stl:86: it is cut off: no endsolid after 12 whole triangles: ");
+    expect_cut("word.stl", text, size - end + 5,
+               "word.stl:86: it is cut off: no endsolid after 12");
+    expect_cut("part.stl", text, size - end - 20,
+               "it is cut off: it ends within a triangle after 11 whole triangles: ");
 }
 
 /* The cube with positions and indices in the file `uri`. */
@@ -439,6 +460,26 @@ TEST(memory_that_runs_out_is_called_so)
             fail_msg("%s", error.text);
         }
         assert_int_equal(unlink(in_folder(large[i].name)), 0);
+    }
+}
+
+/* Of who started it: that limit stays, and is the one that is named. */
+TEST(a_lower_limit_of_memory_is_called_so)
+{
+    char script[4096];
+    (void)snprintf(script, sizeof script, "#!/bin/sh\nulimit -v 65536\nexec '%s' \"$@\"\n",
+                   importer);
+    if (IS_REPEATED) {
+        skip();
+    }
+    const char *helper = write_helper("limited", script);
+    ss_mesh *mesh = NULL;
+    softsim_error error = {0};
+    assert_int_not_equal(
+        ss_mesh_load(write_text("small.obj", CUBE_V "f 1 2 3\n"), 1.0, helper, &mesh, &error),
+        SOFTSIM_OK);
+    if (strstr(error.text, "the 64 MiB of memory that are allowed here (ulimit -v)") == NULL) {
+        fail_msg("%s", error.text);
     }
 }
 

@@ -19,6 +19,7 @@
 #include "rt/hash.h"
 #include "rt/plain.h"
 #include "rt/program.h"
+#include "stl.h"
 
 #include <assimp/cimport.h>
 #include <assimp/config.h>
@@ -55,15 +56,26 @@ typedef struct surface {
     int64_t joined_count, unused_count; /* of join_nodes */
 } surface;
 
-static void set_limits(void)
+/* Of address space; what is in force already may be less. */
+static rlim_t limit_memory(void)
 {
-    const struct rlimit bytes = {SS_IMPORT_MAX_BYTES, SS_IMPORT_MAX_BYTES};
-    const struct rlimit seconds = {SS_IMPORT_MAX_CPU_S, SS_IMPORT_MAX_CPU_S};
-    const struct rlimit none = {0, 0};
+    struct rlimit bytes;
+    const rlim_t own = SS_IMPORT_MAX_BYTES;
+    const bool is_known = getrlimit(RLIMIT_AS, &bytes) == 0;
+    const rlim_t least = is_known && bytes.rlim_cur < own ? bytes.rlim_cur : own;
+    bytes = (struct rlimit){least, least};
     /* The sanitizers reserve terabytes of address space. */
     if (!IS_SANITIZED) {
         (void)setrlimit(RLIMIT_AS, &bytes);
     }
+    return least;
+}
+
+static void set_limits(void)
+{
+    (void)limit_memory();
+    const struct rlimit seconds = {SS_IMPORT_MAX_CPU_S, SS_IMPORT_MAX_CPU_S};
+    const struct rlimit none = {0, 0};
     (void)setrlimit(RLIMIT_CPU, &seconds);
     (void)setrlimit(RLIMIT_CORE, &none);
     (void)setrlimit(RLIMIT_RTPRIO, &none); /* a daemon of root's has raised it */
@@ -71,10 +83,11 @@ static void set_limits(void)
 
 /* ---- reading ---- */
 
-static bool is_obj(const char *path)
+/* Of four letters. */
+static bool has_ending(const char *path, const char *ending)
 {
     const size_t length = strlen(path);
-    return length >= 4 && strcasecmp(path + length - 4, ".obj") == 0;
+    return length >= 4 && strcasecmp(path + length - 4, ending) == 0;
 }
 
 enum { SHAPES = 6 };
@@ -300,7 +313,19 @@ static int fail(const char *path, const char *what)
     return 2;
 }
 
-static const char too_large[] = "too large for 1 GiB of memory: simplify the mesh first";
+/* Whose limit it was: the mesh is to blame for the importer's own alone. */
+static const char *say_no_memory(void)
+{
+    static char text[128] = "too large for 1 GiB of memory: simplify the mesh first";
+    const rlim_t least = limit_memory();
+    if (least < (rlim_t)SS_IMPORT_MAX_BYTES) {
+        (void)snprintf(text, sizeof text,
+                       "it does not fit into the %llu MiB of memory that are allowed here (ulimit "
+                       "-v): allow more",
+                       (unsigned long long)least >> 20);
+    }
+    return text;
+}
 
 /* What assimp says of a file that it cannot read. Of memory it names the exception, if anything:
  * the mesh is not to blame. */
@@ -309,7 +334,7 @@ static const char *assimp_problem(void)
     static char text[600];
     const char *said = aiGetErrorString();
     if (said[0] == '\0' || strstr(said, "bad_alloc") != NULL) {
-        return too_large;
+        return say_no_memory();
     }
     (void)snprintf(text, sizeof text, "%.500s: correct it, or write the mesh again as OBJ", said);
     return text;
@@ -319,10 +344,12 @@ static const char *assimp_problem(void)
 static const char *read_surface(const char *path, surface *s)
 {
     obj_text prepared;
-    const obj_text *obj = is_obj(path) ? &prepared : NULL;
-    const char *problem = obj != NULL ? obj_prepare(path, &prepared) : NULL;
+    const obj_text *obj = has_ending(path, ".obj") ? &prepared : NULL;
+    const char *problem = obj != NULL                ? obj_prepare(path, &prepared)
+                          : has_ending(path, ".stl") ? stl_check(path)
+                                                     : NULL;
     if (problem != NULL) {
-        return problem;
+        return problem == obj_no_memory ? say_no_memory() : problem;
     }
     static beside_files files;
     beside_init(&files, path, obj);
@@ -334,7 +361,7 @@ static const char *read_surface(const char *path, surface *s)
         return problem != NULL ? problem : assimp_problem();
     }
     if (!allocate(s, scene, obj)) {
-        return too_large;
+        return say_no_memory();
     }
     for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
         if (!add_mesh(s, scene->mMeshes[m], obj)) {
@@ -345,7 +372,7 @@ static const char *read_surface(const char *path, surface *s)
         return "no triangles in it: give a surface mesh";
     }
     if (!join_nodes(s)) {
-        return too_large;
+        return say_no_memory();
     }
     if (obj == NULL) {
         /* Other formats repeat a vertex for every face, or for every normal: that is no fault. */

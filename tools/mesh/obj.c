@@ -14,6 +14,7 @@
 enum { MAX_LINE = 80, MAX_NUMBER = 63, NUMBER_BITS = 12, NUMBER_MASK = (1 << NUMBER_BITS) - 1 };
 
 static char problem[160];
+const char obj_no_memory[] = "out of memory";
 
 static const char *blame(int64_t line, const char *what)
 {
@@ -21,16 +22,21 @@ static const char *blame(int64_t line, const char *what)
     return problem;
 }
 
-static char *read_file(const char *path, size_t *out_size)
+/* NULL with what is wrong. */
+static char *read_file(const char *path, size_t *out_size, const char **out_problem)
 {
     int64_t size = 0;
     const char *why = NULL;
     FILE *file = ss_files_open_stream(path, &size, &why);
-    char *text = file != NULL ? malloc((size_t)size + 1) : NULL;
-    *out_size = text != NULL ? fread(text, 1, (size_t)size, file) : 0;
-    if (file != NULL) {
-        (void)fclose(file);
+    if (file == NULL) {
+        (void)snprintf(problem, sizeof problem, "cannot read it (%s)", why);
+        *out_problem = problem;
+        return NULL;
     }
+    char *text = malloc((size_t)size + 1);
+    *out_size = text != NULL ? fread(text, 1, (size_t)size, file) : 0;
+    *out_problem = obj_no_memory;
+    (void)fclose(file);
     return text;
 }
 
@@ -129,9 +135,10 @@ static const char *rewrite_line(obj_text *out, const char *begin, const char *en
 const char *obj_prepare(const char *path, obj_text *out)
 {
     size_t size = 0;
-    char *text = read_file(path, &size);
+    const char *unread = NULL;
+    char *text = read_file(path, &size, &unread);
     if (text == NULL) {
-        return "cannot read it, or it is too large for 1 GiB of memory";
+        return unread;
     }
     const char *end = text + size;
     const int64_t count = count_vertices(text, end);
@@ -139,7 +146,7 @@ const char *obj_prepare(const char *path, obj_text *out)
     out->text = malloc(size + 2 + MAX_LINE * ((size_t)count + 1));
     out->position = malloc(((size_t)count + 1) * sizeof *out->position);
     if (out->text == NULL || out->position == NULL) {
-        return "too large for 1 GiB of memory: simplify the mesh first";
+        return obj_no_memory;
     }
     int64_t line = 0;
     const bool has_mark = size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0;

@@ -19,8 +19,9 @@ typedef struct obj_text {
     int64_t count;
 } obj_text;
 
-/* NULL when good, else what is wrong, ":LINE: ..." where a line is to blame. In a process that
- * ends soon: nothing is freed. */
+/* NULL when good, else what is wrong, ":LINE: ..." where a line is to blame, or obj_no_memory. In a
+ * process that ends soon: nothing is freed. */
+extern const char obj_no_memory[];
 const char *obj_prepare(const char *path, obj_text *out);
 
 /* The vertex number behind a colour. */
