@@ -86,6 +86,18 @@ static void add_own_rows(findings *f)
             "divide them into tetrahedra, or triangles", true);
 }
 
+/* As softsim-mesh scene and object.repair do. */
+static bool try_repair(const char *path, const ss_mesh *mesh)
+{
+    ss_mesh *mended = NULL;
+    ss_mesh_repairs done;
+    ss_progress_stage("trying to mend it");
+    const bool is_good = ss_mesh_repair(mesh, &mended, &done, NULL) == SOFTSIM_OK &&
+                         ss_mesh_accept(mended, path, NULL) == SOFTSIM_OK;
+    ss_mesh_destroy(&mended);
+    return is_good;
+}
+
 bool findings_measure(findings *f, const char *path, const ss_mesh *mesh, bool is_metric,
                       bool is_check)
 {
@@ -115,6 +127,9 @@ bool findings_measure(findings *f, const char *path, const ss_mesh *mesh, bool i
     }
     if (!f->is_crossing_complete && f->status == 0) {
         f->status = 1;
+    }
+    if (f->is_refused) {
+        f->is_mended = try_repair(path, mesh);
     }
     return true;
 }
@@ -245,16 +260,17 @@ void findings_print(const findings *f)
             "there may be more that cross\n",
             f->path);
     }
-    ss_plain_print(stdout, "%s: %s%s\n", f->path,
-                   f->status == 0   ? "good"
-                   : f->status == 1 ? "usable with warnings"
-                                    : "unusable",
-                   f->is_refused
-                       ? f->status == 1
-                             ? " once mended: a scene refuses it as it is; softsim-mesh convert "
-                               "--repair"
-                             : " as it is; softsim-mesh convert --repair mends what can be mended"
-                       : "");
+    static const char *const verdict[] = {"good", "usable with warnings", "unusable"};
+    ss_plain_print(stdout, "%s: %s%s%s\n", f->path, verdict[f->status],
+                   !f->is_refused   ? ""
+                   : f->status == 1 ? " once mended: a scene refuses it as it is"
+                                    : " as it is",
+                   !f->is_refused ? ""
+                   : f->is_mended
+                       ? "; next: softsim-mesh scene mends it by itself, a scene by object.repair, "
+                         "and softsim-mesh convert --repair IN OUT into a file"
+                       : ", and no repair makes it usable; next: mend what is named above in the "
+                         "program that made it");
 }
 
 /* ---- JSON ---- */

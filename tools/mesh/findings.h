@@ -27,6 +27,7 @@ typedef struct findings {
     int32_t cost_count;
     int status;      /* 0 good, 1 usable with warnings, 2 unusable */
     bool is_refused; /* by scenes, as it is */
+    bool is_mended;  /* where it is refused: a repair makes it one that a scene takes */
 } findings;
 
 /* False when out of memory. */
