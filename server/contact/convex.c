@@ -303,23 +303,33 @@ static void push_planes(ss_convex *convex)
     }
 }
 
-/* Each edge once, as the first of its triangles has it. A closed surface has it both ways round. */
-static bool list_edges(ss_convex *convex)
+static const char no_memory[] = "does not fit into memory";
+
+/* Each edge once, as the first of its triangles has it. A closed surface has it both ways round,
+ * each way once; one of doubled faces more often. Why not; NULL when it has. */
+static const char *list_edges(ss_convex *convex)
 {
     convex->edge = ss_memory_get(3 * (size_t)convex->triangle_count, sizeof *convex->edge);
-    for (int32_t i = 0; convex->edge != NULL && i < 3 * convex->triangle_count; ++i) {
+    if (convex->edge == NULL) {
+        return no_memory;
+    }
+    for (int32_t i = 0; i < 3 * convex->triangle_count; ++i) {
         const int32_t *v = convex->triangle[i / 3];
         const int32_t a = v[i % 3], b = v[(i + 1) % 3];
         bool is_known = false;
         for (int32_t e = 0; e < convex->edge_count && !is_known; ++e) {
             is_known = convex->edge[e][0] == b && convex->edge[e][1] == a;
+            if (convex->edge[e][0] == a && convex->edge[e][1] == b) {
+                return "has more than two faces at an edge, as where faces are there twice: "
+                       "softsim-mesh convert --repair mends it";
+            }
         }
         if (!is_known) {
             convex->edge[convex->edge_count][0] = a;
             convex->edge[convex->edge_count++][1] = b;
         }
     }
-    return convex->edge != NULL;
+    return NULL;
 }
 
 /* Why a mesh cannot be a convex tool; NULL when it can. */
@@ -329,7 +339,7 @@ static const char *build(ss_convex *convex, const ss_mesh *mesh)
         return "is not closed";
     }
     if (!copy_mesh(convex, mesh)) {
-        return "does not fit into memory";
+        return no_memory;
     }
     if (convex->vertex_count > MAX_VERTICES) {
         return "has more than 4096 vertices: give its hull with fewer";
@@ -356,7 +366,8 @@ static const char *build(ss_convex *convex, const ss_mesh *mesh)
     if (!(convex->bulge <= 1e-3 * size) || !(convex->inradius > 0.0)) {
         return "is not convex within 0.001 of its size: give its convex hull, or a shape";
     }
-    return list_edges(convex) && ss_convex_divide(convex) ? NULL : "does not fit into memory";
+    const char *fault = list_edges(convex);
+    return fault != NULL ? fault : ss_convex_divide(convex) ? NULL : no_memory;
 }
 
 softsim_status ss_shape_init_convex(ss_shape *shape, const ss_mesh *mesh, softsim_error *error)
@@ -368,7 +379,7 @@ softsim_status ss_shape_init_convex(ss_shape *shape, const ss_mesh *mesh, softsi
         fault = "does not have 4 to 2048 triangles: give its hull with fewer";
     } else {
         convex = ss_memory_get(1, sizeof(ss_convex));
-        fault = convex != NULL ? build(convex, mesh) : "does not fit into memory";
+        fault = convex != NULL ? build(convex, mesh) : no_memory;
     }
     if (fault != NULL) {
         convex_destroy(convex);

@@ -464,6 +464,11 @@ TEST(refuses_meshes_that_are_not_convex)
     make_box(1.0, 1.0, 1.0);
     mesh.triangle_count = 3;
     expect_refusal("4 to 2048");
+    make_box(1.0, 1.0, 1.0);
+    for (int f = 0; f < 12; ++f) { /* each there twice */
+        add_triangle(triangles[f][1], triangles[f][2], triangles[f][0]);
+    }
+    expect_refusal("more than two faces at an edge");
     /* Slightly dented, within the tolerance: distance stays 1-Lipschitz and meets the planes. */
     make_box(1.0, 1.0, 1.0);
     positions[7][0] = 1.001;
