@@ -9,6 +9,12 @@
  * an edge overlap only when they are folded onto each other; of those that share a node the edges
  * opposite it are tested.
  *
+ * The boxes of all triangles around one node overlap, which is quadratic in their number. Around a
+ * hub, a node of many, it is edges that are looked for in the tree: two triangles cross only where
+ * an edge of one that has no node of the other meets the other, or they are folded onto each other
+ * at an edge, which has an end that is no hub. So an edge at the hub leaves out all that is
+ * around it too.
+ *
  * Signs come from double where the rounding bound of Shewchuk (1997, A estimate) lets them, else
  * from long double with its own bound, below which a point counts as in the plane: so that seams,
  * whose nodes lie on each other exactly, touch and do not cross. Comparing with a tolerance was
@@ -194,19 +200,69 @@ static bool find_first(const ss_mesh *mesh, int32_t *first)
     return true;
 }
 
+/* `hub`: of each triangle its only node of more than HUB triangles; -1: it has none, or several. */
+static bool find_hubs(const ss_mesh *mesh, int32_t *hub, bool *out_any)
+{
+    enum { HUB = 64 };
+    int32_t *count = ss_memory_get((size_t)mesh->node_count, sizeof *count);
+    for (int32_t i = 0; count != NULL && i < 3 * mesh->triangle_count; ++i) {
+        const int32_t *node = mesh->triangle[i / 3];
+        count[node[i % 3]] += ss_mesh_has_good_nodes(mesh, node, 3);
+    }
+    *out_any = false;
+    for (int32_t t = 0; count != NULL && t < mesh->triangle_count; ++t) {
+        const int32_t *node = mesh->triangle[t];
+        int32_t hubs = 0;
+        hub[t] = -1;
+        for (int k = 0; k < 3 && ss_mesh_has_good_nodes(mesh, node, 3); ++k) {
+            hub[t] = count[node[k]] > HUB ? node[k] : hub[t];
+            hubs += count[node[k]] > HUB;
+        }
+        hub[t] = hubs == 1 ? hub[t] : -1;
+        *out_any = *out_any || hubs == 1;
+    }
+    ss_memory_free(count);
+    return count != NULL;
+}
+
 typedef struct search {
     const ss_mesh *mesh;
+    const ss_tree *tree;
+    const int32_t *hub;
     bool *is_crossing;
+    int64_t visits;
     int32_t own;
 } search;
 
+/* Of two with hubs each looks for the other, else the lower number, or the one without. */
 static void try_pair(void *what, int32_t other)
 {
     search *s = what;
-    if (other > s->own && !(s->is_crossing[s->own] && s->is_crossing[other]) &&
+    const bool is_own = s->hub[s->own] >= 0 ? s->hub[other] >= 0 && other != s->own
+                                            : s->hub[other] >= 0 || other > s->own;
+    if (is_own && !(s->is_crossing[s->own] && s->is_crossing[other]) &&
         ss_mesh_triangles_cross(s->mesh, s->own, other)) {
         s->is_crossing[s->own] = true;
         s->is_crossing[other] = true;
+    }
+}
+
+static void try_edges(search *s)
+{
+    const int32_t hub = s->hub[s->own], *node = s->mesh->triangle[s->own];
+    for (int k = 0; k < 3; ++k) {
+        const int32_t a = node[k], b = node[(k + 1) % 3];
+        ss_box box;
+        ss_box_init(&box);
+        ss_box_add(&box, s->mesh->position[a]);
+        ss_box_add(&box, s->mesh->position[b]);
+        for (int i = 0; i < 3; ++i) { /* what counts as in the plane may be beside it */
+            const double slack = 1e-9 * (fabs(box.low[i]) + fabs(box.high[i]));
+            box.low[i] -= slack;
+            box.high[i] += slack;
+        }
+        ss_tree_visit_others(s->tree, &box, a == hub || b == hub ? hub : -1, &s->visits, try_pair,
+                             s);
     }
 }
 
@@ -217,29 +273,35 @@ bool ss_mesh_mark_crossings(const ss_mesh *mesh, bool *out_is_crossing, bool *ou
     ss_tree tree = {0};
     ss_box *box = ss_memory_get((size_t)count, sizeof *box);
     int32_t *first = ss_memory_get((size_t)count, sizeof *first);
-    bool is_good = box != NULL && first != NULL && find_first(mesh, first);
+    int32_t *hub = ss_memory_get((size_t)count, sizeof *hub);
+    bool has_hubs = false;
+    bool is_good = box != NULL && first != NULL && hub != NULL && find_first(mesh, first) &&
+                   find_hubs(mesh, hub, &has_hubs);
     for (int32_t t = 0; t < count && is_good; ++t) {
         if (first[t] != t || !ss_box_of_triangle(mesh, t, &box[t])) {
             ss_box_init(&box[t]);
         }
     }
-    is_good = is_good && ss_tree_init(&tree, box, count);
-    int64_t visits = most_visits;
+    is_good =
+        is_good && ss_tree_init(&tree, box, count) && (!has_hubs || ss_tree_set_labels(&tree, hub));
+    search s = {mesh, &tree, hub, out_is_crossing, most_visits, 0};
     for (int32_t t = 0; t < count; ++t) {
         out_is_crossing[t] = false;
     }
     for (int32_t t = 0; t < count && is_good; ++t) {
-        search s = {.mesh = mesh, .is_crossing = out_is_crossing, .own = t};
-        if (box[t].low[0] <= box[t].high[0]) {
-            ss_tree_visit(&tree, &box[t], &visits, try_pair, &s);
+        s.own = t;
+        if (hub[t] >= 0 && box[t].low[0] <= box[t].high[0]) {
+            try_edges(&s);
+        } else if (box[t].low[0] <= box[t].high[0]) {
+            ss_tree_visit(&tree, &box[t], &s.visits, try_pair, &s);
         }
     }
     for (int32_t t = 0; t < count && is_good; ++t) {
         out_is_crossing[t] = out_is_crossing[first[t]];
     }
-    *out_is_complete = visits > 0;
+    *out_is_complete = s.visits > 0;
     ss_tree_fini(&tree);
-    SS_EACH(ss_memory_free, box, first);
+    SS_EACH(ss_memory_free, box, first, hub);
     return is_good;
 }
 

@@ -156,12 +156,32 @@ bool ss_tree_init_triangles(ss_tree *tree, const ss_mesh *mesh)
 
 void ss_tree_fini(ss_tree *tree)
 {
-    SS_EACH(ss_memory_free, tree->item, tree->box);
+    SS_EACH(ss_memory_free, tree->item, tree->box, tree->label);
     *tree = (ss_tree){0};
+}
+
+bool ss_tree_set_labels(ss_tree *tree, const int32_t *label)
+{
+    enum { NO_ITEM = -2 };
+    tree->label = ss_memory_get(2 * (size_t)tree->leaf_count, sizeof *tree->label);
+    for (int32_t i = 0; tree->label != NULL && i < tree->leaf_count; ++i) {
+        tree->label[tree->leaf_count + i] = i < tree->count ? label[tree->item[i]] : NO_ITEM;
+    }
+    for (int32_t i = tree->leaf_count - 1; tree->label != NULL && i > 0; --i) {
+        const int32_t left = tree->label[2 * i], right = tree->label[2 * i + 1];
+        tree->label[i] = right == NO_ITEM || left == right ? left : -1; /* fills from the left */
+    }
+    return tree->label != NULL;
 }
 
 void ss_tree_visit(const ss_tree *tree, const ss_box *box, int64_t *inout_visits,
                    void (*take)(void *what, int32_t item), void *what)
+{
+    ss_tree_visit_others(tree, box, -1, inout_visits, take, what);
+}
+
+void ss_tree_visit_others(const ss_tree *tree, const ss_box *box, int32_t label,
+                          int64_t *inout_visits, void (*take)(void *what, int32_t item), void *what)
 {
     int32_t stack[MAX_DEPTH];
     int depth = 0;
@@ -169,7 +189,7 @@ void ss_tree_visit(const ss_tree *tree, const ss_box *box, int64_t *inout_visits
     while (depth > 0 && *inout_visits > 0) {
         const int32_t at = stack[--depth];
         --*inout_visits;
-        if (!ss_box_overlaps(box, &tree->box[at])) {
+        if (!ss_box_overlaps(box, &tree->box[at]) || (label >= 0 && tree->label[at] == label)) {
             continue;
         }
         if (at < tree->leaf_count) {

@@ -19,6 +19,7 @@ typedef struct ss_box {
 typedef struct ss_tree {
     int32_t *item;
     ss_box *box;
+    int32_t *label; /* of each box that of all items below it, -1: they differ; NULL: no labels */
     int32_t count, leaf_count;
 } ss_tree;
 
@@ -37,9 +38,15 @@ static inline bool ss_box_overlaps(const ss_box *a, const ss_box *b)
 bool ss_tree_init(ss_tree *tree, const ss_box *box, int32_t count);
 bool ss_tree_init_triangles(ss_tree *tree, const ss_mesh *mesh);
 void ss_tree_fini(ss_tree *tree);
+/* Gives each item a label, from 0, or -1: none. False when out of memory. */
+bool ss_tree_set_labels(ss_tree *tree, const int32_t *label);
 /* Hands each item whose box overlaps `box` to `take`; the visits that are left go down. */
 void ss_tree_visit(const ss_tree *tree, const ss_box *box, int64_t *inout_visits,
                    void (*take)(void *what, int32_t item), void *what);
+/* The same, but for those of a label, from 0. */
+void ss_tree_visit_others(const ss_tree *tree, const ss_box *box, int32_t label,
+                          int64_t *inout_visits, void (*take)(void *what, int32_t item),
+                          void *what);
 
 /* The point of a triangle nearest to x (Ericson 2005, 5.1.5); its squared distance. */
 double ss_triangle_nearest(const double x[3], const double a[3], const double b[3],

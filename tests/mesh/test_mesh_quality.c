@@ -3,6 +3,7 @@
 /* Shapes of elements, holes, crossing surfaces, and what repair mends. */
 #include "mesh/mesh.h"
 
+#include "mesh/tree.h"
 #include "rt/memory.h"
 #include "rt/random.h"
 #include "rt/vec.h"
@@ -293,6 +294,85 @@ TEST(crossings_of_random_triangles_are_those_of_a_search_over_all_pairs)
         assert_int_equal(crossing.first[0], first);
         ss_mesh_destroy(&mesh);
     }
+}
+
+/* Two fans on one rim, nodes of which lie anywhere, in a plane or not, and loose triangles. */
+static ss_mesh *make_fans(uint64_t *random, int round)
+{
+    enum { RIM = 90, LOOSE = 30, NODES = 2 + RIM + 3 * LOOSE, TRIANGLES = 2 * RIM + LOOSE };
+    const bool is_flat = round % 2 == 0;
+    double x[NODES][3] = {{0.0, 0.0, is_flat ? 0.0 : 0.4}, {0.1, 0.05, is_flat ? 0.0 : -0.7}};
+    int32_t triangle[TRIANGLES][3];
+    for (int i = 0; i < RIM; ++i) {
+        const bool is_moved = ss_random_unit(random) < 0.05 * (round % 3);
+        const double off = is_moved ? ss_random_unit(random) - 0.5 : 0.0;
+        const double turn = 2.0 * SS_PI * (i + 8.0 * off) / RIM;
+        ss_set3(x[2 + i], cos(turn) * (1.0 + off), sin(turn) * (1.0 + off), is_flat ? 0.0 : off);
+        const int32_t a = 2 + i, b = 2 + (i + 1) % RIM;
+        /* The second fan is not there in some rounds, and folded onto the first in the plane. */
+        const int32_t fan[2][3] = {{0, a, b}, {round % 4 < 2 ? 1 : 0, b, a}};
+        memcpy(triangle[2 * i], fan, sizeof fan);
+    }
+    for (int i = 0; i < 3 * LOOSE; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const double value = ss_random_unit(random) - 0.5;
+            x[2 + RIM + i][k] = i % 3 == 0 ? 6.0 * value : x[2 + RIM + i - i % 3][k] + 0.3 * value;
+        }
+        triangle[2 * RIM + i / 3][i % 3] = 2 + RIM + i;
+    }
+    return make_mesh(NODES, (const double(*)[3])x, TRIANGLES, (const int32_t(*)[3])triangle, 0,
+                     NULL);
+}
+
+TEST(crossings_around_nodes_of_many_triangles_are_those_of_all_pairs)
+{
+    uint64_t random = 606;
+    int64_t total = 0, all = 0;
+    for (int round = 0; round < 60; ++round) {
+        ss_mesh *mesh = make_fans(&random, round);
+        ss_mesh_fault crossing;
+        bool is_complete;
+        int64_t expected = 0;
+        for (int32_t a = 0; a < mesh->triangle_count; ++a) {
+            bool crosses = false;
+            for (int32_t b = 0; b < mesh->triangle_count && !crosses; ++b) {
+                crosses = a != b && ss_mesh_triangles_cross(mesh, a, b);
+            }
+            expected += crosses;
+        }
+        assert_true(ss_mesh_find_crossings(mesh, &crossing, &is_complete) && is_complete);
+        if (crossing.count != expected) {
+            fail_msg("round %d: %d, not %d", round, (int)crossing.count, (int)expected);
+        }
+        total += expected;
+        all += mesh->triangle_count;
+        ss_mesh_destroy(&mesh);
+    }
+    print_message("%d of %d triangles cross\n", (int)total, (int)all);
+    assert_true(total > all / 10 && total < all - all / 10);
+}
+
+/* Every pair of 40000 triangles around a node is more than may be looked at. */
+TEST(a_wide_fan_is_looked_at_to_the_end)
+{
+    enum { RIM = 40000 };
+    static double x[RIM + 1][3];
+    static int32_t triangle[RIM][3];
+    for (int i = 0; i < RIM; ++i) {
+        const double turn = 2.0 * SS_PI * i / RIM;
+        ss_set3(x[i], cos(turn), sin(turn), 0.0);
+        triangle[i][0] = RIM;
+        triangle[i][1] = i;
+        triangle[i][2] = (i + 1) % RIM;
+    }
+    ss_set3(x[RIM], 0.0, 0.0, 0.3);
+    ss_mesh *mesh =
+        make_mesh(RIM + 1, (const double(*)[3])x, RIM, (const int32_t(*)[3])triangle, 0, NULL);
+    ss_mesh_fault crossing;
+    bool is_complete;
+    assert_true(ss_mesh_find_crossings(mesh, &crossing, &is_complete));
+    assert_true(is_complete && crossing.count == 0);
+    ss_mesh_destroy(&mesh);
 }
 
 /* ---- repair ---- */
