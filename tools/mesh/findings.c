@@ -130,6 +130,7 @@ bool findings_measure(findings *f, const char *path, const ss_mesh *mesh, bool i
     }
     if (f->is_refused) {
         f->is_mended = try_repair(path, mesh);
+        f->status = f->is_mended ? f->status : 2;
     }
     return true;
 }
