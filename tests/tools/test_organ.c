@@ -122,8 +122,8 @@ TEST_WITH(a_size_that_no_organ_has_is_told, make_folder, remove_folder)
     run_tool("generate kidney --points 120 --units mm --out body.obj");
     assert_int_equal(
         run(TOOL "scene body.obj --tissue kidney --units cm --out o.yaml", out, sizeof out), 0);
-    const double size = number_after(out, "warning: o.yaml: --units cm makes the longest side of "
-                                          "body.obj ");
+    const double size = number_after(out, "warning: o.yaml: --units cm makes the mesh's longest "
+                                          "side ");
     assert_true(size > 1050.0 && size < 1110.0);
     const double fitting = number_after(out, "; in mm it has ");
     assert_true(fabs(fitting - 0.1 * size) < 0.1);
@@ -136,7 +136,7 @@ TEST_WITH(a_size_that_no_organ_has_is_told, make_folder, remove_folder)
         run(TOOL "scene body.obj --tissue liver --units mm --out n.yaml", out, sizeof out), 2);
     assert_int_equal(
         run(TOOL "scene body.obj --tissue liver --units m --out n.yaml", out, sizeof out), 0);
-    assert_non_null(strstr(out, "--units m makes the longest side of body.obj 1000 mm"));
+    assert_non_null(strstr(out, "--units m makes the mesh's longest side 1000 mm"));
 }
 
 /* What is held: what was asked for is what the scene has, and the server counts the same. */

@@ -17,7 +17,7 @@ typedef struct organ {
     const char *mesh_name; /* as the scene is to name the file */
     const char *unit;      /* of the file */
     char unit_words[160];  /* why */
-    char unit_doubt[200];  /* "": none; it is no organ's size in the unit that was given */
+    char unit_doubt[240];  /* "": none; it is no organ's size in the unit that was given */
     bool is_repaired;
     double low[3], high[3], diagonal, edge; /* of the surface: box, diagonal, mean edge */
     double volume, area;

@@ -36,17 +36,17 @@ static int32_t judge(double longest, int32_t *out_other)
 }
 
 /* What was given is taken; that no organ has this size is said, with what would be one. */
-static void doubt(organ *o, const char *path, double longest, int32_t given, int32_t judged)
+static void doubt(organ *o, double longest, int32_t given, int32_t judged)
 {
     char would[80] = "; it would have none in mm, cm, dm or m";
     if (judged >= 0) {
         (void)snprintf(would, sizeof would, "; in %s it has %.4g mm: --units %s", unit_name(judged),
                        1e3 * longest * metres_per_unit(judged), unit_name(judged));
     }
-    (void)snprintf(o->unit_doubt, sizeof o->unit_doubt,
-                   "--units %s makes the longest side of %.60s %.4g mm, and an organ has 2 to 30 "
-                   "cm%s",
-                   unit_name(given), path, 1e3 * longest * metres_per_unit(given), would);
+    (void)snprintf(
+        o->unit_doubt, sizeof o->unit_doubt,
+        "--units %s makes the mesh's longest side %.4g mm, and an organ has 2 to 30 cm%s",
+        unit_name(given), 1e3 * longest * metres_per_unit(given), would);
 }
 
 softsim_status organ_choose_unit(organ *o, const char *path, int32_t given, ss_mesh *mesh,
@@ -89,7 +89,7 @@ softsim_status organ_choose_unit(organ *o, const char *path, int32_t given, ss_m
                        size_mm);
     }
     if (given >= 0 && !is_organ(1e-3 * size_mm)) {
-        doubt(o, path, longest, given, judged);
+        doubt(o, longest, given, judged);
     }
     o->unit = unit_name(unit);
     ss_mesh_transform(mesh, metres_per_unit(unit), still, still);
