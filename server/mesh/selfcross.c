@@ -207,7 +207,9 @@ static bool find_hubs(const ss_mesh *mesh, int32_t *hub, bool *out_any)
     int32_t *count = ss_memory_get((size_t)mesh->node_count, sizeof *count);
     for (int32_t i = 0; count != NULL && i < 3 * mesh->triangle_count; ++i) {
         const int32_t *node = mesh->triangle[i / 3];
-        count[node[i % 3]] += ss_mesh_has_good_nodes(mesh, node, 3);
+        if (ss_mesh_has_good_nodes(mesh, node, 3)) {
+            ++count[node[i % 3]];
+        }
     }
     *out_any = false;
     for (int32_t t = 0; count != NULL && t < mesh->triangle_count; ++t) {

@@ -352,6 +352,21 @@ TEST(crossings_around_nodes_of_many_triangles_are_those_of_all_pairs)
     assert_true(total > all / 10 && total < all - all / 10);
 }
 
+/* Under the address sanitizer: they are counted around no node. */
+TEST(triangles_of_nodes_that_are_not_there_cross_nothing)
+{
+    uint64_t random = 7;
+    ss_mesh *mesh = make_fans(&random, 0);
+    ss_mesh_fault before, after;
+    bool is_complete;
+    assert_true(ss_mesh_find_crossings(mesh, &before, &is_complete));
+    mesh->triangle[0][1] = mesh->node_count + 1000;
+    mesh->triangle[1][2] = -1000;
+    assert_true(ss_mesh_find_crossings(mesh, &after, &is_complete));
+    assert_true(is_complete && after.count > 0 && after.count <= before.count);
+    ss_mesh_destroy(&mesh);
+}
+
 /* Every pair of 40000 triangles around a node is more than may be looked at. */
 TEST(a_wide_fan_is_looked_at_to_the_end)
 {
