@@ -25,12 +25,12 @@ static const char *bare_obj(void)
  * between them; in motion it is more, by what the scene says or a hand that moves faster adds. */
 static void expect_between(double force, double indentation_mm)
 {
-    const char *said = strstr(other.out, "pressed and held: "), *deep = strstr(other.out, " mm); ");
+    const char *said = strstr(other.out, "pressed and held: "), *deep = strstr(other.out, " went; ");
     double first[2], second[2];
     assert_true(said != NULL && deep != NULL);
     assert_int_equal(
         sscanf(said, "pressed and held: %lf N at %lf mm of indentation", &first[0], &first[1]), 2);
-    assert_int_equal(sscanf(deep, " mm); %lf N at %lf mm", &second[0], &second[1]), 2);
+    assert_int_equal(sscanf(deep, " went; %lf N at %lf mm", &second[0], &second[1]), 2);
     const double power = log(second[0] / first[0]) / log(second[1] / first[1]);
     const double at_rest = first[0] * pow(indentation_mm / first[1], power);
     print_message("%.3f N felt at %.2f mm, %.3f N at rest\n", force, indentation_mm, at_rest);

@@ -41,7 +41,7 @@ static double number_after(const char *where, const char *mark)
 static double told_ratio(void)
 {
     const double force = number_after(out, "pressed and held: ");
-    const double depth = 1e-3 * number_after(out, "(the surface went ");
+    const double depth = 1e-3 * number_after(out, " Pa and the ");
     const double radius = 1e-3 * number_after(out, "a ball of ");
     const double modulus = number_after(out, "times Hertz's force for ");
     return force / (4.0 / 3.0 * modulus / (1.0 - 0.45 * 0.45) * sqrt(radius) * depth * sqrt(depth));
@@ -219,6 +219,61 @@ TEST_WITH(holes_are_told, make_folder, remove_folder)
     run_tool("generate kidney --points 120 --out kidney.obj");
     assert_int_equal(run(TOOL "scene kidney.obj --tissue kidney --out k.yaml", out, sizeof out), 0);
     assert_null(strstr(out, "has holes ("));
+}
+
+/* A model that is planned too slow is pressed as deep as any other before it is told good. */
+TEST_WITH(a_slow_surface_is_pressed_as_deep_as_any, make_folder, remove_folder)
+{
+    run_tool("generate kidney --points 2400 --out kidney.obj");
+    assert_int_equal(run(TOOL "scene kidney.obj --tissue kidney --out k.yaml", out, sizeof out), 0);
+    const double first = number_after(out, "pressed and held: ");
+    const double deepest = number_after(out, "that the surface went; ");
+    const char *at = strstr(out, "that the surface went; ");
+    assert_true(deepest > first && number_after(at, " N at ") > 7.0);
+}
+
+/* The kidney and once more, `shift_mm` beside it, in one file. */
+static void write_two(int shift_mm)
+{
+    char command[512];
+    run_tool("generate kidney --points 120 --out one.obj");
+    (void)snprintf(
+        command, sizeof command,
+        "awk -v d=%d '/^v /{++n; v[n]=$0; print; next} /^f /{f[++m]=$0; print} END{for (i "
+        "= 1; i <= n; ++i) {split(v[i], p); print \"v\", p[2] + d, p[3], p[4]} for (i = 1; "
+        "i <= m; ++i) {split(f[i], p); print \"f\", p[2] + n, p[3] + n, p[4] + n}}' one.obj "
+        "> two.obj",
+        shift_mm);
+    assert_int_equal(run(command, out, sizeof out), 0);
+}
+
+TEST_WITH(parts_and_crossings_are_told, make_folder, remove_folder)
+{
+    write_two(150);
+    assert_int_equal(run(TOOL "scene two.obj --tissue kidney --out o.yaml", out, sizeof out), 0);
+    assert_non_null(strstr(out, "warning: o.yaml: two.obj has 2 separate parts"));
+    assert_null(strstr(out, " cross others"));
+    assert_non_null(strstr(out, "fill it: softsim-mesh tetrahedralize two.obj"));
+    write_two(20);
+    assert_int_equal(run(TOOL "scene two.obj --tissue kidney --out o.yaml", out, sizeof out), 0);
+    assert_non_null(strstr(out, "triangles of two.obj cross others"));
+    assert_null(strstr(out, "tetrahedralize"));
+}
+
+/* What draws the hand in is not called good: a hole on top, through which the tool goes. */
+TEST_WITH(a_press_through_a_hole_is_not_called_good, make_folder, remove_folder)
+{
+    run_tool("generate kidney --points 1100 --out kidney.obj");
+    assert_int_equal(
+        run("awk '/^v /{z[++n]=$4; if ($4 > top) top=$4; print; next} /^f /{if (z[$2] < top - 4 || "
+            "z[$3] < top - 4 || z[$4] < top - 4) print}' kidney.obj > open.obj",
+            out, sizeof out),
+        0);
+    assert_int_equal(run(TOOL "scene open.obj --tissue kidney --out o.yaml", out, sizeof out), 0);
+    assert_true(number_after(out, "that the surface went; ") < 0.0);
+    assert_non_null(strstr(out,
+                           "guarded: the force at rest draws the tool in: it slips over an edge "
+                           "or through a hole"));
 }
 
 /* A group's name goes into the scene's quotes; the server counts the same nodes. */

@@ -22,7 +22,8 @@ typedef struct organ {
     double low[3], high[3], diagonal, edge; /* of the surface: box, diagonal, mean edge */
     double volume, area;
     bool is_closed, has_volume;
-    int64_t open_edges;
+    int64_t open_edges, crossing_count;
+    int32_t part_count;
 
     const tissue *tissue;
     const ss_model_class *model;

@@ -60,15 +60,16 @@ static void write_head(FILE *out, const organ *o)
         (void)fprintf(out, " --scale %.3g", o->hand_scale);
     }
     (void)fprintf(out,
-                  "\n# which finds the tissue from %s by itself, at --offset-m %.4f,%.4f,%.4f\n",
+                  "\n# which finds the tissue from %s by itself; pressed below: at --offset-m "
+                  "%.4f,%.4f,%.4f\n",
                   o->side, o->touch.origin[0], o->touch.origin[1], o->touch.origin[2]);
     (void)fprintf(
         out,
-        "# Pressed as this was written, and held: %.3g N at %.3g mm of indentation (Hertz: %.3g "
-        "N), then %.3g N at %.3g mm: %s%s%s.\n"
+        "# Pressed as this was written, and held: %.3g N at %.3g mm of indentation (Hertz: %.3g N "
+        "for the %.3g mm\n# that the surface went), then %.3g N at %.3g mm: %s%s%s.\n"
         "# Beside softsim-bridge's peak force: these are at rest; in motion, at %.3g mm/s, the "
         "first was %.3g N.\n",
-        t->held.force, 1e3 * t->held.indentation, hertz, t->deepest.force,
+        t->held.force, 1e3 * t->held.indentation, hertz, 1e3 * t->held.depth, t->deepest.force,
         1e3 * t->deepest.indentation, softsim_verdict_name(t->verdict),
         t->reason[0] != '\0' ? ": " : "", t->reason, 1e3 * t->speed, t->moving_force);
     (void)fprintf(out, "# A step of %.3g ms is planned with %.3g ms of a core", 1e3 * o->step_s,

@@ -139,7 +139,11 @@ static void measure(const ss_mesh *mesh, organ *o)
         o->volume = fabs(report.volume);
         o->area = report.area;
         o->open_edges = report.open_edge.count;
+        o->part_count = report.component_count;
     }
+    ss_mesh_fault crossing;
+    bool is_complete;
+    o->crossing_count = ss_mesh_find_crossings(mesh, &crossing, &is_complete) ? crossing.count : 0;
     o->diagonal = ss_mesh_diagonal(mesh);
     o->edge = ss_mesh_mean_side((const double(*)[3])mesh->position,
                                 (const int32_t(*)[3])mesh->triangle, mesh->triangle_count);
@@ -448,9 +452,10 @@ static softsim_status scale_forces(const request *q, ss_output *output, organ *o
     return status;
 }
 
-/* Tries one model: *out_is_good when its press is good and in time. */
-static softsim_status try_model(const request *q, ss_output *output, organ *o, bool *out_is_good,
-                                softsim_error *error)
+/* Tries one model: *out_is_good when its press is good and in time. One that is planned too slow is
+ * pressed where it is the last, since that is kept. */
+static softsim_status try_model(const request *q, ss_output *output, organ *o, bool is_last,
+                                bool *out_is_good, softsim_error *error)
 {
     *out_is_good = false;
     ss_progress_stage("pressing %s as %s", q->mesh, o->model->name);
@@ -463,7 +468,7 @@ static softsim_status try_model(const request *q, ss_output *output, organ *o, b
     const ss_world *inner = ss_world_of(world);
     const bool is_in_time = o->step_cost_us <= PLANNED_SHARE * 1e6 * o->step_s &&
                             inner->step_ticks <= slowest[q->purpose];
-    if (status == SOFTSIM_OK && (is_in_time || q->model != NULL)) {
+    if (status == SOFTSIM_OK && (is_in_time || is_last)) {
         press(world, o, o->deepest);
         *out_is_good = is_in_time && o->trial.has_touched &&
                        o->trial.verdict == SOFTSIM_VERDICT_GOOD &&
@@ -494,8 +499,7 @@ static void tell(const request *q, const organ *o)
                  o->fixed_count, 1e3 * o->radius, o->touch.origin[0], o->touch.origin[1],
                  o->touch.origin[2], o->side);
     (void)printf("  pressed and held: %.3g N at %.3g mm of indentation, %.2f times Hertz's force "
-                 "for %.4g Pa "
-                 "(the surface went %.3g mm); %.3g N at %.3g mm: %s%s%s\n",
+                 "for %.4g Pa and the %.3g mm that the surface went; %.3g N at %.3g mm: %s%s%s\n",
                  t->held.force, 1e3 * t->held.indentation, ratio_of(o), o->tissue->youngs_modulus,
                  1e3 * t->held.depth, t->deepest.force, 1e3 * t->deepest.indentation,
                  softsim_verdict_name(t->verdict), t->reason[0] != '\0' ? ": " : "", t->reason);
@@ -507,11 +511,13 @@ static void tell(const request *q, const organ *o)
     if (q->model == NULL && o->passed_over[0] != '\0') {
         ss_plain_print(stdout, "  passed over: %s\n", o->passed_over);
     }
-    if (!o->has_volume && o->is_closed && q->purpose != FOR_SPEED && q->model == NULL) {
+    if (!o->has_volume && o->is_closed && o->crossing_count == 0 && q->purpose != FOR_SPEED &&
+        q->model == NULL) {
         ss_plain_print(stdout,
-                       "  for models with physical constants, fill it: softsim-mesh "
+                       "  for models with physical constants, fill it%s: softsim-mesh "
                        "tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g\n",
-                       q->mesh, o->unit, filling_edge_mm(o));
+                       o->is_repaired ? ", mended by softsim-mesh convert --repair" : "",
+                       o->is_repaired ? "MENDED" : q->mesh, o->unit, filling_edge_mm(o));
     }
     ss_plain_print(stdout,
                    "next: softsimd %s, and in another terminal softsim-bridge --device sim "
@@ -526,20 +532,22 @@ static void tell(const request *q, const organ *o)
     (void)printf("\n");
 }
 
-static void warn_of(const request *q, const organ *o)
+static void warn_of_mesh(const request *q, const organ *o)
 {
-    const trial_result *t = &o->trial;
-    const double ratio = ratio_of(o);
     if (o->unit_doubt[0] != '\0') {
         ss_plain_print(stderr, "softsim-mesh: warning: %s: %s\n", q->out, o->unit_doubt);
     }
-    if (!t->has_touched) {
-        ss_plain_print(stderr, "softsim-mesh: warning: %s: the tool did not touch\n", q->out);
-    } else if (t->verdict != SOFTSIM_VERDICT_GOOD) {
+    if (o->crossing_count > 0) {
         ss_plain_print(stderr,
-                       "softsim-mesh: warning: %s: the press is %s: %s; try another --model, "
-                       "or a mesh of another size\n",
-                       q->out, softsim_verdict_name(t->verdict), t->reason);
+                       "softsim-mesh: warning: %s: %lld triangles of %s cross others: the body "
+                       "goes through itself there; softsim-mesh check says where\n",
+                       q->out, (long long)o->crossing_count, q->mesh);
+    }
+    if (o->part_count > 1) {
+        ss_plain_print(stderr,
+                       "softsim-mesh: warning: %s: %s has %d separate parts: forces do not pass "
+                       "between them; join them if they should be one\n",
+                       q->out, q->mesh, o->part_count);
     }
     if (!o->is_closed && !o->has_volume) {
         ss_plain_print(stderr,
@@ -547,6 +555,20 @@ static void warn_of(const request *q, const organ *o)
                        "sheet, without a volume; close them if the body should have one: "
                        "softsim-mesh convert --repair fills small ones\n",
                        q->out, q->mesh, (long long)o->open_edges);
+    }
+}
+
+static void warn_of(const request *q, const organ *o)
+{
+    const trial_result *t = &o->trial;
+    const double ratio = ratio_of(o);
+    if (!t->has_touched) {
+        ss_plain_print(stderr, "softsim-mesh: warning: %s: the tool did not touch\n", q->out);
+    } else if (t->verdict != SOFTSIM_VERDICT_GOOD) {
+        ss_plain_print(stderr,
+                       "softsim-mesh: warning: %s: the press is %s: %s; try another --model, "
+                       "or a mesh of another size\n",
+                       q->out, softsim_verdict_name(t->verdict), t->reason);
     }
     if (o->step_cost_us > 0.5e6 * o->step_s || t->step_us > t->period_us) {
         ss_plain_print(
@@ -615,6 +637,18 @@ static void note_passed_over(organ *o, softsim_status status, const softsim_erro
     }
 }
 
+/* The first of those from `at` on that may do; `count` when none does. */
+static int next_model(const organ *o, const char *const name[], int at, int count)
+{
+    for (; at < count; ++at) {
+        const ss_model_class *model = name[at] != NULL ? ss_model_find(name[at]) : NULL;
+        if (model != NULL && (!model->needs_volume || o->has_volume)) {
+            break;
+        }
+    }
+    return at;
+}
+
 /* Goes through the models that may do until one is good; the last is kept otherwise. */
 static softsim_status choose_model(const request *q, ss_output *output, organ *o,
                                    softsim_error *error)
@@ -623,18 +657,15 @@ static softsim_status choose_model(const request *q, ss_output *output, organ *o
     const int count = q->model != NULL ? 1 : MAX_MODELS;
     softsim_status status = SOFTSIM_ERROR_UNSUPPORTED;
     bool is_good = false;
-    for (int i = 0; i < count && !is_good; ++i) {
-        const ss_model_class *model = name[i] != NULL ? ss_model_find(name[i]) : NULL;
-        if (model == NULL || (model->needs_volume && !o->has_volume)) {
-            continue;
-        }
+    for (int i = next_model(o, name, 0, count), next; i < count && !is_good; i = next) {
+        next = next_model(o, name, i + 1, count);
         if (o->model != NULL) {
             note_passed_over(o, status, error);
         }
         *error = (softsim_error){0};
-        o->model = model;
+        o->model = ss_model_find(name[i]);
         o->trial = (trial_result){0};
-        status = try_model(q, output, o, &is_good, error);
+        status = try_model(q, output, o, next == count, &is_good, error);
         if (status == SOFTSIM_ERROR_ARGUMENT) {
             break; /* no model would do */
         }
@@ -689,9 +720,12 @@ static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, o
         return SOFTSIM_ERROR_ARGUMENT;
     }
     if (!(height_of(o) > 0.0)) {
-        softsim_error_add(error, SOFTSIM_ERROR_MESH,
-                          "%s: it is flat, seen from where the hand comes: give another --from",
-                          q->mesh);
+        softsim_error_add(
+            error, SOFTSIM_ERROR_MESH,
+            "%s: it is flat, seen from where the hand comes, and has no side away from "
+            "it to be held: give another --from; a flat sheet needs a scene by hand "
+            "(server/scene/README.md)",
+            q->mesh);
         return SOFTSIM_ERROR_MESH;
     }
     choose_tool(q, o);
@@ -726,6 +760,7 @@ static int write_scene(const void *what, softsim_error *error)
     if (status != SOFTSIM_OK) {
         return 2;
     }
+    warn_of_mesh(q, &o);
     warn_of(q, &o);
     tell(q, &o);
     return 0;

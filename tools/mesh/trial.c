@@ -8,6 +8,8 @@
 
 #include "rt/vec.h"
 
+/* N: a tool at rest that pushes less is drawn in. */
+static const double DRAWN_IN = -1e-3;
 /* s: of the parts of a press. */
 static const double COMES = 0.2, SETTLES = 0.3, DEEPENS = 0.2, STAYS = 0.1, LEAVES = 0.2;
 static const double READ = 0.05; /* s at the end of a hold in which force and depth are read */
@@ -98,6 +100,13 @@ void trial_run(softsim_world *world, const trial_press *press, trial_result *out
     out->deepest = mean_of(&second);
     out->verdict = state.worst_verdict;
     (void)snprintf(out->reason, sizeof out->reason, "%s", state.worst_reason);
+    if (out->verdict <= SOFTSIM_VERDICT_GUARDED &&
+        fmin(out->held.force, out->deepest.force) < DRAWN_IN) {
+        out->verdict = SOFTSIM_VERDICT_GUARDED;
+        (void)snprintf(out->reason, sizeof out->reason,
+                       "the force at rest draws the tool in: it slips over an edge or through a "
+                       "hole; close holes, or come from another side");
+    }
     out->step_us = state.step_us[0];
     out->step_us_p99 = state.step_us[1];
     out->period_us = 1e6 * state.simulation_period_s;

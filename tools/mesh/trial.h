@@ -28,7 +28,7 @@ typedef struct trial_result {
     trial_hold held, deepest; /* the last: zeroes of a press that ends at its depth */
     /* N: as the tool came to where it was held, at so many m/s. What inertia and viscosity add. */
     double moving_force, speed;
-    softsim_verdict verdict;
+    softsim_verdict verdict; /* guarded also where a tool at rest is drawn in */
     char reason[160];
     double step_us, step_us_p99, period_us; /* thread CPU of a step here, and what it may take */
 } trial_result;
