@@ -32,20 +32,6 @@
  * the direction of G alone: along that the proxy slips out. With f in it, a hand that turns round
  * would meet a proxy that lies on its other side by 2 mu times the slip.
  *
- * At the force limit what sticks turns the force: a hand at v changes f by K_t v T a tick, which is
- * the less of an open force the deeper it presses, but as much of L_F as it is. A kidney's friction
- * of .6 turned a force of 0.7 N by 2.5 degrees a tick, under a hand at 70 mm/s that felt 3.7 N turn
- * by .5 without the limit. So the coupling yields sideways, too: the proxy stays behind the hand by
- *   s = (1 - q) (f - f(p-)) / K_s,   K_s = K_t K / (K_t + K),   q = TURN F.e / |f - f(p-)|,
- * where q < 1, which goes into slip.c's `aside` and fades there. Hand and tissue still feel one
- * force. A hand that turns round is pushed on by what lags: a force of constant size that turns
- * slowly cannot always be against a hand that shakes. So what only lets f go lags where an eighth
- * of what slid before pays for it, and else the force falls as fast as the spring does: friction
- * takes energy on every way there and back (with all of it lagging a hand of 3 mm at 20 Hz, at 0.7
- * N and mu 0.3, was handed 19 mJ in 10 s).
- * Rejected: f held to that step (the tissue is drawn on with all of its friction, and what the hand
- * lacks of it comes by the offset, much later).
- *
  * Rejected: an anchor for each contact (the contacts of one tool are parts of one touch, moved by
  * one proxy; eight cones have no potential, and no bound on the passes); friction from the
  * proxy's velocity (creeps); the model's own friction held until the next result (a hand that stops
@@ -67,12 +53,6 @@
 #define MERGED_MOST 4.0
 /* Of what is told along the surface: a round tool's rim leans in, and tells mu and 2 % more. */
 #define ALONG_SHARE 0.95
-/* rad: of the force at its limit, in a tick, by what sticks. The contacts turn by the rest of a
- * degree. */
-#define TURN 0.013
-/* Of what slid took: what a lag may give, and J, of that at most, so that no hand is pushed far. */
-#define SAVED_SHARE 0.125
-#define SAVED_MAX   1e-4
 enum { SLIDE_TRIES = 12 };
 
 static bool has_coefficient(const ss_local_contact *local)
@@ -286,162 +266,50 @@ static void slide(const ss_local_contact *local, const friction_grip *grip, cons
     }
 }
 
-/* N/m: of the contacts along the surface. */
-static double stiffness_along(const friction_grip *grip)
-{
-    return 0.5 * (grip->stiffness[0][0] + grip->stiffness[1][1] + grip->stiffness[2][2]);
-}
-
-/* What of the hand's way along the surface the proxy goes, for a coupling of `spring` that lets it
- * go the share `led`. */
-static void follow_sliding(ss_local_contact *local, const ss_rest *rest, double spring, double led,
+/* What of the hand's way along the surface the proxy goes, for a coupling of `spring`. */
+static void follow_sliding(ss_local_contact *local, const ss_rest *rest, double spring,
                            double period)
 {
     ss_local_friction *friction = &local->friction;
     friction_grip grip;
     sum_contacts(local, rest->force, &grip);
-    const double sticking = spring / (spring + stiffness_along(&grip));
-    const double share = led * (friction->is_sliding ? 1.0 : sticking);
+    const double along = 0.5 * (grip.stiffness[0][0] + grip.stiffness[1][1] + grip.stiffness[2][2]);
+    const double share = friction->is_sliding ? 1.0 : spring / (spring + along);
     friction->held += (1.0 - exp(-period / FOLLOW_TIME)) * (1.0 - share - friction->held);
 }
 
-/* Balances `from` with what would stick, or slides against it; writes the balance with friction and
- * what would stick. */
-static void balance_friction(ss_local_contact *local, const friction_grip *grip, const double p[3],
-                             const double turned[3], const ss_balance *from, ss_balance *out,
-                             ss_rest *rest, double out_stuck[3])
-{
-    ss_local_friction *friction = &local->friction;
-    *out = *from;
-    hold(grip, friction, p, turned, out);
-    (void)ss_coupling_balance(out, rest);
-    ss_copy3(out_stuck, rest->grasp);
-    ss_copy3(friction->force, out_stuck);
-    const double limit = coulomb(local, rest->force);
-    friction->is_sliding = cut(grip, limit, grip->lean * limit, friction->force);
-    if (!friction->is_sliding) {
-        push(from, out_stuck, out);
-        ss_set3(rest->grasp, 0.0, 0.0, 0.0);
-    } else {
-        slide(local, grip, from, out_stuck, out, rest, friction->force);
-    }
-}
-
-/* The same balance with the free proxy moved by `shift`. */
-static void shift_free(const double shift[3], ss_balance *balance)
-{
-    ss_add3(balance->p_free, balance->p_free, shift);
-    for (int32_t i = 0; i < balance->count; ++i) {
-        ss_balance_row *row = &balance->row[i];
-        row->free_force -= row->slope * ss_dot3(row->normal, shift);
-    }
-}
-
-/* Of a change of the force: what lies across `axis`. */
-static void keep_across(const double axis[3], double change[3])
-{
-    ss_madd3(change, change, -ss_dot3(change, axis), axis);
-}
-
-/* Of a change of the force `held`: what does not only let that go. */
-static void keep_loading(const double held[3], double change[3])
-{
-    double direction[3];
-    ss_copy3(direction, held);
-    const double size = ss_normalize3(direction);
-    const double unloading = fmin(size, fmax(0.0, -ss_dot3(change, direction)));
-    ss_madd3(change, change, unloading, direction);
-}
-
-/* How far the free proxy is to stay behind, so that a limited force turns by TURN at most: by
- * `would`, or by what of that came to be `felt`. Returns the share of its way that it goes. */
-static double lag_behind(const double would[3], const double felt[3], double most,
-                         double compliance, double out_shift[3])
-{
-    const double size = ss_norm3(would);
-    const bool is_slow = ss_norm3(felt) <= most || size <= most;
-    const double led = is_slow ? 1.0 : most / size;
-    ss_scale3(out_shift, would, (1.0 - led) * compliance);
-    return led;
-}
-
-/* The same for what would stick, `stuck` after `before`, where friction has `saved` the energy that
- * it costs; else for what loads it alone. */
-static double choose_lag(ss_local_contact *local, const friction_grip *grip, const double p[3],
-                         const ss_balance *balance, const ss_rest *rest, const double before[3],
-                         const double stuck[3], double out_shift[3])
-{
-    ss_local_friction *friction = &local->friction;
-    const double *axis = balance->axis;
-    const double along = stiffness_along(grip);
-    if (!(rest->stiffness_fraction < 1.0) || !(along > 0.0)) {
-        return 1.0;
-    }
-    double held[3], felt[3], would[3], way[3], pressed = 0.0;
-    ss_copy3(held, before);
-    ss_sub3(felt, friction->force, before);
-    ss_sub3(would, stuck, before);
-    keep_across(axis, held);
-    keep_across(axis, felt);
-    keep_across(axis, would);
-    for (int32_t i = 0; i < local->count; ++i) {
-        pressed += rest->force[i] * ss_dot3(balance->row[i].normal, axis);
-    }
-    const double most = TURN * fmax(0.0, pressed + ss_dot3(friction->force, axis));
-    const double compliance = 1.0 / along + 1.0 / balance->spring;
-    double led = lag_behind(would, felt, most, compliance, out_shift);
-    const double cost = -ss_dot3(held, out_shift);
-    if (cost > friction->saved) {
-        keep_loading(held, felt);
-        keep_loading(held, would);
-        led = lag_behind(would, felt, most, compliance, out_shift);
-    } else {
-        friction->saved -= fmax(0.0, cost);
-    }
-    ss_sub3(way, balance->p_free, p);
-    (void)ss_clamp_norm3(out_shift, ss_norm3(way));
-    return led;
-}
-
-/* What slides loses its force times the way of its anchor. */
-static void save_energy(const friction_grip *grip, const double stuck[3],
-                        ss_local_friction *friction)
-{
-    double cut_off[3];
-    ss_sub3(cut_off, stuck, friction->force);
-    const double lost = ss_dot3(friction->force, cut_off) / fmax(stiffness_along(grip), NEGLIGIBLE);
-    friction->saved = fmin(SAVED_MAX, friction->saved + SAVED_SHARE * fmax(0.0, lost));
-}
-
 void ss_friction_balance(ss_local_contact *local, const double p[3], double spring, double period,
-                         ss_balance *balance, ss_rest *rest, double inout_aside[3])
+                         ss_balance *balance, ss_rest *rest)
 {
     ss_local_friction *friction = &local->friction;
-    double turned[3], since[3], stuck[3], before[3], shift[3];
-    ss_balance from = *balance;
+    double turned[3], since[3], stuck[3];
+    ss_balance with = *balance;
     friction_grip grip;
     sum_contacts(local, rest->force, &grip);
     ss_cross3(turned, local->turn, friction->arm);
     ss_sub3(since, turned, friction->turned);
     ss_copy3(friction->turned, turned);
-    if (!(ss_norm3(from.axis) > 0.0)) {
-        ss_sub3(from.axis, rest->p, from.p_free);
-        (void)ss_normalize3(from.axis);
+    if (!(ss_norm3(with.axis) > 0.0)) {
+        ss_sub3(with.axis, rest->p, with.p_free);
+        (void)ss_normalize3(with.axis);
     }
-    ss_copy3(before, friction->force);
-    balance_friction(local, &grip, p, since, &from, balance, rest, stuck);
-    const double led = choose_lag(local, &grip, p, &from, rest, before, stuck, shift);
-    if (led < 1.0) {
-        ss_copy3(friction->force, before);
-        shift_free(shift, &from);
-        balance_friction(local, &grip, p, since, &from, balance, rest, stuck);
-        ss_madd3(inout_aside, inout_aside, from.spring / spring, shift);
+    ss_copy3(balance->axis, with.axis);
+    hold(&grip, friction, p, since, &with);
+    (void)ss_coupling_balance(&with, rest);
+    ss_copy3(stuck, rest->grasp);
+    ss_copy3(friction->force, stuck);
+    const double limit = coulomb(local, rest->force);
+    friction->is_sliding = cut(&grip, limit, grip.lean * limit, friction->force);
+    if (!friction->is_sliding) {
+        push(balance, stuck, &with);
+        ss_set3(rest->grasp, 0.0, 0.0, 0.0);
+    } else {
+        const double size = ss_norm3(stuck);
+        slide(local, &grip, balance, stuck, &with, rest, friction->force);
+        ss_scale3(friction->offset, friction->offset, ss_norm3(friction->force) / size);
     }
-    if (friction->is_sliding) {
-        ss_scale3(friction->offset, friction->offset, ss_norm3(friction->force) / ss_norm3(stuck));
-        save_energy(&grip, stuck, friction);
-    }
-    follow_sliding(local, rest, spring, led, period);
+    *balance = with;
+    follow_sliding(local, rest, spring, period);
 }
 
 void ss_friction_torque(const ss_local_contact *local, double out[3])

@@ -395,8 +395,8 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     set_balance(haptic, x, v, &balance);
     ss_coupling_balance(&balance, &rest);
     if (local->friction.is_used) {
-        ss_friction_balance(local, haptic->p, haptic->yield.spring, config->period, &balance, &rest,
-                            haptic->slip.aside);
+        ss_friction_balance(local, haptic->p, haptic->yield.spring, config->period, &balance,
+                            &rest);
     }
     for (int32_t i = 0; i < local->count; ++i) {
         local->contact[i].last_force = i < balance.count ? rest.force[i] : 0.0;

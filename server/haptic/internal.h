@@ -125,7 +125,6 @@ typedef struct ss_local_friction {
     double offset[3];          /* N, of that: what updates left */
     double held;               /* share of the hand's way along the surface that the proxy does
                                   not go, smoothed */
-    double saved;              /* J, taken by what slid, of which a lag may give */
     double told[3], torque[3]; /* N, N m about the tool's origin: of the last result */
     /* Of the contacts' force, what the model exerts along their surface and against their mean
      * normal: of the last result, and as it comes down to that. */
@@ -277,10 +276,9 @@ void ss_friction_decay(ss_local_friction *friction, double kept);
 /* A new result's, with the proxy at `p`, so that the force stays. After the contacts. */
 void ss_friction_take(ss_local_contact *local, const ss_contact_set *set, const double p[3]);
 /* The balance with friction, from the proxy `p` of the last tick on, for a coupling of `spring`;
- * `rest` is where it rests without. Its force is then in the balance's `other`. `inout_aside`, as
- * in ss_slip: where the force is limited, what the hand is ahead of the proxy goes into it. */
+ * `rest` is where it rests without. Its force is then in the balance's `other`. */
 void ss_friction_balance(ss_local_contact *local, const double p[3], double spring, double period,
-                         ss_balance *balance, ss_rest *rest, double inout_aside[3]);
+                         ss_balance *balance, ss_rest *rest);
 /* Adds its torque about the tool's origin. */
 void ss_friction_torque(const ss_local_contact *local, double out[3]);
 

@@ -224,7 +224,6 @@ uint64_t ss_local_contact_hash(const ss_local_contact *local, uint64_t hash)
         hash = ss_hash_bytes(hash, friction->force, sizeof friction->force);
         hash = ss_hash_bytes(hash, friction->offset, sizeof friction->offset);
         hash = ss_hash_bytes(hash, &friction->held, sizeof friction->held);
-        hash = ss_hash_bytes(hash, &friction->saved, sizeof friction->saved);
         hash = ss_hash_bytes(hash, friction->share, sizeof friction->share);
     }
     if (local->grasp.is_held) {

@@ -25,7 +25,8 @@ static const char *bare_obj(void)
  * between them; in motion it is more, by what the scene says or a hand that moves faster adds. */
 static void expect_between(double force, double indentation_mm)
 {
-    const char *said = strstr(other.out, "pressed and held: "), *deep = strstr(other.out, " went; ");
+    const char *said = strstr(other.out, "pressed and held: "),
+               *deep = strstr(other.out, " went; ");
     double first[2], second[2];
     assert_true(said != NULL && deep != NULL);
     assert_int_equal(
