@@ -275,8 +275,9 @@ static bool is_within_rate(lane_state *lane, uint64_t source, int64_t now_ns)
     return answer == SS_SENDERS_HEARD;
 }
 
-/* Hands over what is there, at most a batch. How many; -1 when the socket is broken. */
-static int32_t read_lane(ss_receiver *receiver, lane_state *lane)
+/* Hands over what is there, at most a batch. How many; -1 when the socket is broken. Fewer than it
+ * has room for is all. */
+static int32_t read_lane(ss_receiver *receiver, lane_state *lane, bool *is_all)
 {
     const int64_t now_ns = ss_clock_now_ns();
     const int64_t left = ss_budget_left(&lane->budget, now_ns) - READ_COST;
@@ -289,6 +290,7 @@ static int32_t read_lane(ss_receiver *receiver, lane_state *lane)
     if (count < 0) {
         return errno == EAGAIN || errno == EINTR ? 0 : -1;
     }
+    *is_all = *is_all && (unsigned)count < wanted;
     for (int i = 0; i < count; ++i) {
         ss_packet packet;
         const int32_t size = (int32_t)receiver->header[i].msg_len;
@@ -305,8 +307,9 @@ static int32_t read_lane(ss_receiver *receiver, lane_state *lane)
 }
 
 /* LCM hands over one message and would block without one. */
-static int32_t read_memq(ss_receiver *receiver)
+static int32_t read_memq(ss_receiver *receiver, bool *is_all)
 {
+    *is_all = false;
     return lcm_handle(receiver->lcm) == 0 ? 1 : -1;
 }
 
@@ -368,16 +371,19 @@ static int wait_until(struct pollfd waiting[], nfds_t count, int64_t until_ns)
     return result > 0;
 }
 
-/* A batch of every lane that has something. How many messages; -1 when a socket is broken. */
-static int32_t read_ready(ss_receiver *receiver, const struct pollfd waiting[])
+/* A batch of every lane that has something. How many messages; -1 when a socket is broken. Where
+ * that was all there was, nobody need look at the sockets again, which costs as much as reading. */
+static int32_t read_ready(ss_receiver *receiver, const struct pollfd waiting[], bool *out_is_all)
 {
     int32_t handled = 0;
+    *out_is_all = true;
     for (int32_t i = 0; i < receiver->lane_count; ++i) {
         if (waiting[i].revents == 0) {
             continue;
         }
-        const int32_t count =
-            receiver->is_memq ? read_memq(receiver) : read_lane(receiver, &receiver->lane[i]);
+        const int32_t count = receiver->is_memq
+                                  ? read_memq(receiver, out_is_all)
+                                  : read_lane(receiver, &receiver->lane[i], out_is_all);
         if (count < 0) {
             return -1;
         }
@@ -391,8 +397,8 @@ int32_t ss_receiver_wait(ss_receiver *receiver, int wake_fd, int64_t deadline_ns
     struct pollfd waiting[SS_RECEIVER_MAX_LANES + 1];
     const nfds_t lanes = (nfds_t)receiver->lane_count;
     int32_t handled = 0;
-    bool is_signalled = false;
-    while (handled < MAX_HANDLED && !is_signalled) {
+    bool is_signalled = false, is_all = false;
+    while (handled < MAX_HANDLED && !is_signalled && !(is_all && handled > 0)) {
         const int64_t now_ns = ss_clock_now_ns();
         const int64_t limit_ns = handled > 0 ? now_ns : deadline_ns;
         const int64_t until_ns = next_wakeup(receiver, now_ns, limit_ns, waiting);
@@ -408,7 +414,7 @@ int32_t ss_receiver_wait(ss_receiver *receiver, int wake_fd, int64_t deadline_ns
             ss_wake_drain(wake_fd);
             is_signalled = true;
         }
-        const int32_t count = read_ready(receiver, waiting);
+        const int32_t count = read_ready(receiver, waiting, &is_all);
         if (count < 0) {
             return -1;
         }
