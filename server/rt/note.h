@@ -35,6 +35,5 @@ void ss_note_left_out(const ss_notes *to, const char *where, const char *put_bac
 void ss_note_warning(const ss_notes *to, const char *where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* A note as people read it: "solver: ...", "left out: gravity (...)", "warning: object.fixed: ...".
- */
+/* A note as people read it: "solver: ...", "left out: friction (...)", "warning: loads: ...". */
 void ss_note_print(const ss_note *note, char *out, size_t size);

@@ -237,23 +237,6 @@ static void explain_modulus(const ss_model *model, const ss_notes *out)
     }
 }
 
-/* Where rho is the same everywhere, it can be given as that of two directions. */
-static void leave_out_anisotropy(const ss_model *model, const ss_notes *out)
-{
-    const double *rho = model->material.rho;
-    char put_back[160];
-    bool is_same = true;
-    for (int32_t i = 1; i < model->node_count; ++i) {
-        is_same = is_same && rho[i] == rho[0];
-    }
-    (void)snprintf(put_back, sizeof put_back,
-                   "model.rho=1;model.rho_direction=%.17g;model.rho_across=%.17g;"
-                   "model.material_direction=[0, 0, 1]",
-                   rho[0], rho[0]);
-    ss_note_left_out(out, "anisotropy", is_same ? put_back : NULL,
-                     "rho is the same in all directions");
-}
-
 static void explain_rho(const ss_model *model, const ss_notes *out)
 {
     const ss_cnn_material *m = &model->material;
@@ -268,8 +251,6 @@ static void explain_rho(const ss_model *model, const ss_notes *out)
         ss_note_used(out, "anisotropic",
                      "rho across the material direction is %.4g to %.4g times that along", low,
                      high);
-    } else {
-        leave_out_anisotropy(model, out);
     }
 }
 
@@ -280,9 +261,6 @@ static void explain_material(const ss_model *model, const ss_notes *out)
     explain_rho(model, out);
     if (m->pretension > 0.0) {
         ss_note_used(out, "pretension", "%.6g J", m->pretension);
-    } else {
-        ss_note_left_out(out, "pretension", model->is_held ? "model.pretension_j=1e-30" : NULL,
-                         "pretension_j is 0");
     }
     if (model->normal) {
         for (int32_t k = 0; k < model->enclosed_count && k < MOST_BODIES; ++k) {
@@ -301,8 +279,6 @@ static void explain_material(const ss_model *model, const ss_notes *out)
     if (isfinite(m->saturation)) {
         ss_note_used(out, "saturation", "cells at %.6g%s", m->saturation,
                      model->saturation ? ", shared by the sources without a tool" : "");
-    } else {
-        ss_note_left_out(out, "saturation of cells", "model.saturation=1e12", "none given");
     }
     if (model->is_one_cell) {
         ss_note_used(out, "source",

@@ -229,7 +229,7 @@ typedef struct block_sums {
 
 /* a of two nodes. */
 SS_INLINE ss_pair acceleration(const ss_cnn_stage *s, int32_t i, ss_pair v, bool has_source,
-                               bool has_pretension, bool has_pressure, ss_pair *power)
+                               bool has_pressure, ss_pair *power)
 {
     const ptrdiff_t at = 4 * (ptrdiff_t)i;
     const ss_pair gamma_v = ss_pair_mul(ss_pair_each(s->damping + i), v);
@@ -237,8 +237,6 @@ SS_INLINE ss_pair acceleration(const ss_cnn_stage *s, int32_t i, ss_pair v, bool
     f = ss_pair_fnma(ss_pair_each(s->rest_stiffness + i), ss_pair_load(s->d + at), f);
     if (has_source) {
         f = ss_pair_fnma(ss_pair_all((ss_real)s->c1), ss_pair_load(s->r + at), f);
-    }
-    if (has_pretension) {
         f = ss_pair_fma(ss_pair_all((ss_real)s->c2), ss_pair_load(s->b + at), f);
     }
     if (has_pressure) {
@@ -286,8 +284,7 @@ static void add_totals(const block_sums *sums, ss_cnn_totals *totals)
 }
 
 /* The stage loop for one combination of what this body uses. */
-SS_INLINE double stage_nodes(ss_cnn_stage *s, bool has_source, bool has_pretension,
-                             bool has_pressure, int32_t index)
+SS_INLINE double stage_nodes(ss_cnn_stage *s, bool has_source, bool has_pressure, int32_t index)
 {
     const ss_real *v_now = index == 0 ? s->v0 : s->vs[index - 1];
     const ss_pair step = ss_pair_all((ss_real)(index == 2 ? s->h : 0.5 * s->h));
@@ -302,8 +299,7 @@ SS_INLINE double stage_nodes(ss_cnn_stage *s, bool has_source, bool has_pretensi
         for (int32_t i = at_block.first; i < at_block.end; i += 2) {
             const ptrdiff_t at = 4 * (ptrdiff_t)i;
             const ss_pair v = ss_pair_load(v_now + at);
-            const ss_pair a =
-                acceleration(s, i, v, has_source, has_pretension, has_pressure, &sums.power);
+            const ss_pair a = acceleration(s, i, v, has_source, has_pressure, &sums.power);
             ss_pair u;
             if (index == 3) {
                 u = finish_nodes(s, i, a, v, h6, &sums);
@@ -328,17 +324,10 @@ SS_INLINE double stage_nodes(ss_cnn_stage *s, bool has_source, bool has_pretensi
 
 SS_INLINE double stage_index(ss_cnn_stage *s, int32_t index)
 {
-    if (!s->normal && s->r && s->c2 == 0.0) {
-        return stage_nodes(s, true, false, false, index);
-    }
-    if (!s->normal && s->r) {
-        return stage_nodes(s, true, true, false, index);
-    }
     if (s->r) {
-        return stage_nodes(s, true, true, true, index);
+        return s->normal ? stage_nodes(s, true, true, index) : stage_nodes(s, true, false, index);
     }
-    return s->normal ? stage_nodes(s, false, false, true, index)
-                     : stage_nodes(s, false, false, false, index);
+    return s->normal ? stage_nodes(s, false, true, index) : stage_nodes(s, false, false, index);
 }
 
 static double stage(ss_cnn_stage *s)

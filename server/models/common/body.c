@@ -450,9 +450,6 @@ void ss_body_explain(const ss_body *body, const ss_notes *out)
         ss_note_left_out(out, "mass damping", "model.mass_damping_per_s=1e-30",
                          "mass_damping_per_s is 0");
     }
-    if (!body->has_gravity) {
-        ss_note_left_out(out, "gravity", "gravity_m_s2=[0, 0, -1e-60]", "gravity_m_s2 is 0");
-    }
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
         if (body->tools.tool[k].is_used) {
             explain_tool(body, k, out);

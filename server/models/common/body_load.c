@@ -57,7 +57,7 @@ static void add_gravity(ss_body *body, int32_t node)
 static void build_loads(ss_body *body)
 {
     ss_loads_clear(&body->loads, body->load_force);
-    for (int32_t k = 0; body->has_gravity && k < body->loads.node_count; ++k) {
+    for (int32_t k = 0; k < body->loads.node_count; ++k) {
         add_gravity(body, body->loads.node[k]);
     }
     ss_loads_add(&body->loads, body->nodes.u, 1.0, body->load_force);
@@ -81,7 +81,7 @@ void ss_body_loads_reset(ss_body *body)
 {
     memset(body->load_force, 0, ss_body_bytes(body));
     ss_loads_reset(&body->loads);
-    for (int32_t i = 0; body->has_gravity && i < body->nodes.count; ++i) {
+    for (int32_t i = 0; i < body->nodes.count; ++i) {
         add_gravity(body, i);
     }
     memcpy(body->old_load, body->load_force, ss_body_bytes(body));
@@ -105,9 +105,7 @@ void ss_body_set_mass(ss_body *body, int32_t node, double mass)
     for (int k = 0; k < 3; ++k) {
         const bool is_free = (body->axes[node] & (1 << k)) == 0;
         mobility[k] = is_free && mass > 0.0 ? (ss_real)(1.0 / mass) : 0;
-        if (body->has_gravity) {
-            body->load_force[4 * (ptrdiff_t)node + k] += (ss_real)(change * body->plan.gravity[k]);
-        }
+        body->load_force[4 * (ptrdiff_t)node + k] += (ss_real)(change * body->plan.gravity[k]);
     }
     body->nodes.mass[node] = mass;
     body->mass[node] = (ss_real)mass;

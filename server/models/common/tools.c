@@ -147,9 +147,6 @@ void ss_tools_say_grasp(const ss_model_plan *plan, const ss_notes *out)
     if (plan->grasp_max_force > 0.0) {
         ss_note_used(out, "contact.grasp_max_force_n",
                      "%.3g N, a grasp with a larger reaction is torn", plan->grasp_max_force);
-    } else {
-        ss_note_left_out(out, "torn grasps", "contact.grasp_max_force_n=1000",
-                         "contact.grasp_max_force_n is not given");
     }
 }
 

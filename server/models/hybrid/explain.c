@@ -148,8 +148,5 @@ void ss_hybrid_explain(const ss_model *model, const ss_notes *out)
         ss_note_left_out(out, "cohesion", "model.layer.lennard_jones_share=1e-30",
                          "lennard_jones_share 0");
     }
-    if (hybrid->material.phi == NULL) {
-        ss_note_left_out(out, "velocity gradients", SS_PLAN_PUT_BACK_VISCOSITY, "no viscosity");
-    }
     ss_body_explain(hybrid->body, out);
 }
