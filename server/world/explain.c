@@ -83,21 +83,6 @@ static void leave_out_contact(const ss_world *world, const ss_notes *out)
         "no tool: no haptic thread, no contact surface, no influence functions of a network");
 }
 
-/* No force on the first node of the surface that is free. */
-static void leave_out_loads(const ss_world *world, const ss_notes *out)
-{
-    const ss_scene *scene = world->scene;
-    int32_t node = -1;
-    for (int32_t k = 0; node < 0 && k < 3 * scene->mesh->triangle_count; ++k) {
-        const int32_t corner = scene->mesh->triangle[k / 3][k % 3];
-        node = scene->fixed[corner] == 0 ? ss_mesh_file_node(scene->mesh, corner) : -1;
-    }
-    char put_back[64];
-    (void)snprintf(put_back, sizeof put_back, "loads=[{nodes: [%d], force_n: [0, 0, 0]}]", node);
-    ss_note_left_out(out, "loads and prescribed displacements", node >= 0 ? put_back : NULL,
-                     "none");
-}
-
 /* Rates, costs and threads of the loops. */
 static void explain_loops(const ss_world *world, const ss_notes *out)
 {
@@ -153,9 +138,7 @@ void ss_world_explain(const ss_world *world, const ss_notes *out)
     if (!has_convex) {
         ss_note_left_out(out, "convex narrow phase", NULL, "no convex-mesh tool");
     }
-    if (scene->load_count == 0 && scene->prescribed_count == 0) {
-        leave_out_loads(world, out);
-    } else {
+    if (scene->load_count > 0 || scene->prescribed_count > 0) {
         ss_note_used(out, "loads", "%d, prescribed sets: %d", scene->load_count,
                      scene->prescribed_count);
     }
