@@ -12,7 +12,8 @@
  * force within f, of where it would come to rest for good; f is a thousandth of what is just
  * noticeable, which is 7 % of a force and at least 20 mN. Four still quarters on end are sleep. The
  * forces are means of a quarter, since the last digits of a force in floats never rest, and within
- * it they may swing by 5 f: more is a motion that no mean shows.
+ * it they may swing by 5 f: more is a motion that no mean shows. A guard that acts in a step does
+ * not keep the body awake, and its verdict is told on: at rest it acts alike in each.
  *
  * Torques count as forces at the tool's bounding radius R. The stiffness that is told, which some
  * models find over seconds, is within 5e-3 of where it ends in the same way. A tool that touches or
@@ -441,7 +442,7 @@ void ss_sleep_watch(ss_sleep *sleep, double time, const ss_model_tool tool[SOFTS
                     const double near[SOFTSIM_MAX_PROBES], const ss_model_info *info,
                     const ss_contact_set *const set[SOFTSIM_MAX_PROBES])
 {
-    bool is_still = info->verdict == SOFTSIM_VERDICT_GOOD && !(info->travelled < 1.0) &&
+    bool is_still = info->verdict <= SOFTSIM_VERDICT_GUARDED && !(info->travelled < 1.0) &&
                     !is_driven(sleep, time + sleep->step) && !is_moving(sleep) &&
                     (sleep->steps == 0 || !has_gone(sleep));
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {

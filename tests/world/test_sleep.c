@@ -218,6 +218,27 @@ TEST_WITH(the_hash_is_the_same_for_any_number_of_threads, make_folder_with_block
     assert_true(hash[0] == hash[1]);
 }
 
+/* A guard that acts in each step, and no more in one than in the next, is at rest too, and goes on
+ * to be told. */
+TEST_WITH(what_a_guard_holds_sleeps_and_says_so, make_folder_with_block, remove_folder)
+{
+    SKIP_WHERE_REPEATED();
+    static const body block = {"block", NULL, "  name: fem\n" ELASTIC, NULL, ON_BLOCK, 0.010};
+    const double d = block.depth;
+    const part press[] = {
+        {10, FAR_OUT, 0, 0, 0, false}, {400, d, 0, 0, 0, false}, {2500, d, 0, 0, 0, true}};
+    const part after[] = {
+        {10, d, 0, 0, 0, false}, {400, 1.1 * d, 0, 0, 0, false}, {400, FAR_OUT, 0, 0, 0, false}};
+    pair p = open_pair(&block, NULL, 0);
+    softsim_state held;
+    play(&p, &block, press, 3);
+    softsim_read(p.slept, &held);
+    assert_int_equal(held.verdict, SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(held.active_nodes, 0);
+    play(&p, &block, after, 3);
+    close_pair(&p, block.name);
+}
+
 /* It is told, and sleeps only where it may. */
 TEST_WITH(a_sleeping_body_says_so, make_folder_with_block, remove_folder)
 {
