@@ -139,6 +139,12 @@ static int corner_towards(const net *t, int32_t triangle, int32_t neighbour)
     return beside[0] == neighbour ? 0 : beside[1] == neighbour ? 1 : 2;
 }
 
+static void put(net *t, int32_t number, const int32_t node[3], const int32_t beside[3])
+{
+    memcpy(t->triangle[number], node, sizeof t->triangle[number]);
+    memcpy(t->beside[number], beside, sizeof t->beside[number]);
+}
+
 static void replace_neighbour(net *t, int32_t triangle, int32_t old, int32_t new)
 {
     t->beside[triangle][corner_towards(t, triangle, old)] = new;
@@ -157,10 +163,8 @@ static void flip(net *t, int32_t p, int corner)
     const int32_t beside_ab = t->beside[p][(corner + 2) % 3];
     const int32_t beside_bd = t->beside[q][(far + 1) % 3];
     const int32_t beside_dc = t->beside[q][(far + 2) % 3];
-    memcpy(t->triangle[p], (int32_t[3]){a, b, d}, sizeof t->triangle[p]);
-    memcpy(t->beside[p], (int32_t[3]){beside_bd, q, beside_ab}, sizeof t->beside[p]);
-    memcpy(t->triangle[q], (int32_t[3]){d, c, a}, sizeof t->triangle[q]);
-    memcpy(t->beside[q], (int32_t[3]){beside_ca, p, beside_dc}, sizeof t->beside[q]);
+    put(t, p, (int32_t[3]){a, b, d}, (int32_t[3]){beside_bd, q, beside_ab});
+    put(t, q, (int32_t[3]){d, c, a}, (int32_t[3]){beside_ca, p, beside_dc});
     replace_neighbour(t, beside_bd, q, p);
     replace_neighbour(t, beside_ca, p, q);
 }
@@ -220,12 +224,9 @@ static void insert(net *t, int32_t n)
     const int32_t across_b = t->beside[p][1];
     const int32_t across_c = t->beside[p][2];
     t->triangle_count += 2;
-    memcpy(t->triangle[p], (int32_t[3]){n, b, c}, sizeof t->triangle[p]);
-    memcpy(t->triangle[q], (int32_t[3]){n, c, a}, sizeof t->triangle[q]);
-    memcpy(t->triangle[r], (int32_t[3]){n, a, b}, sizeof t->triangle[r]);
-    memcpy(t->beside[p], (int32_t[3]){across_a, q, r}, sizeof t->beside[p]);
-    memcpy(t->beside[q], (int32_t[3]){across_b, r, p}, sizeof t->beside[q]);
-    memcpy(t->beside[r], (int32_t[3]){across_c, p, q}, sizeof t->beside[r]);
+    put(t, p, (int32_t[3]){n, b, c}, (int32_t[3]){across_a, q, r});
+    put(t, q, (int32_t[3]){n, c, a}, (int32_t[3]){across_b, r, p});
+    put(t, r, (int32_t[3]){n, a, b}, (int32_t[3]){across_c, p, q});
     replace_neighbour(t, across_b, p, q);
     replace_neighbour(t, across_c, p, r);
 
