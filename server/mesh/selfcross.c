@@ -200,31 +200,30 @@ static bool find_first(const ss_mesh *mesh, int32_t *first)
     return true;
 }
 
-/* `hub`: of each triangle its only node of more than HUB triangles; -1: it has none, or several. */
-static bool find_hubs(const ss_mesh *mesh, int32_t *hub, bool *out_any)
+/* `hub`: of each triangle the one node of more than HUB triangles, where there is one; -1: it is
+ * none of its nodes. Where there are more of them, none is one: what is around one may be near all
+ * that is around another, edges and triangles alike. */
+static bool find_hub(const ss_mesh *mesh, int32_t *hub, bool *out_any)
 {
     enum { HUB = 64 };
     int32_t *count = ss_memory_get((size_t)mesh->node_count, sizeof *count);
+    int32_t hubs = 0, only = -1;
     for (int32_t i = 0; count != NULL && i < 3 * mesh->triangle_count; ++i) {
         const int32_t *node = mesh->triangle[i / 3];
-        if (ss_mesh_has_good_nodes(mesh, node, 3)) {
-            ++count[node[i % 3]];
+        if (ss_mesh_has_good_nodes(mesh, node, 3) && ++count[node[i % 3]] == HUB + 1) {
+            only = node[i % 3];
+            ++hubs;
         }
     }
-    *out_any = false;
-    for (int32_t t = 0; count != NULL && t < mesh->triangle_count; ++t) {
+    *out_any = hubs == 1;
+    for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *node = mesh->triangle[t];
-        int32_t hubs = 0;
-        hub[t] = -1;
-        for (int k = 0; k < 3 && ss_mesh_has_good_nodes(mesh, node, 3); ++k) {
-            hub[t] = count[node[k]] > HUB ? node[k] : hub[t];
-            hubs += count[node[k]] > HUB;
-        }
-        hub[t] = hubs == 1 ? hub[t] : -1;
-        *out_any = *out_any || hubs == 1;
+        const bool has_it = node[0] == only || node[1] == only || node[2] == only;
+        hub[t] = *out_any && has_it && ss_mesh_has_good_nodes(mesh, node, 3) ? only : -1;
     }
+    const bool is_good = count != NULL;
     ss_memory_free(count);
-    return count != NULL;
+    return is_good;
 }
 
 typedef struct search {
@@ -276,16 +275,16 @@ bool ss_mesh_mark_crossings(const ss_mesh *mesh, bool *out_is_crossing, bool *ou
     ss_box *box = ss_memory_get((size_t)count, sizeof *box);
     int32_t *first = ss_memory_get((size_t)count, sizeof *first);
     int32_t *hub = ss_memory_get((size_t)count, sizeof *hub);
-    bool has_hubs = false;
+    bool has_hub = false;
     bool is_good = box != NULL && first != NULL && hub != NULL && find_first(mesh, first) &&
-                   find_hubs(mesh, hub, &has_hubs);
+                   find_hub(mesh, hub, &has_hub);
     for (int32_t t = 0; t < count && is_good; ++t) {
         if (first[t] != t || !ss_box_of_triangle(mesh, t, &box[t])) {
             ss_box_init(&box[t]);
         }
     }
     is_good =
-        is_good && ss_tree_init(&tree, box, count) && (!has_hubs || ss_tree_set_labels(&tree, hub));
+        is_good && ss_tree_init(&tree, box, count) && (!has_hub || ss_tree_set_labels(&tree, hub));
     search s = {mesh, &tree, hub, out_is_crossing, most_visits, 0};
     for (int32_t t = 0; t < count; ++t) {
         out_is_crossing[t] = false;

@@ -12,8 +12,9 @@
  * force within f, of where it would come to rest for good; f is a thousandth of what is just
  * noticeable, which is 7 % of a force and at least 20 mN. Four still quarters on end are sleep. The
  * forces are means of a quarter, since the last digits of a force in floats never rest, and within
- * it they may swing by 5 f: more is a motion that no mean shows. A guard that acts in a step does
- * not keep the body awake, and its verdict is told on: at rest it acts alike in each.
+ * it they may swing by 5 f: more is a motion that no mean shows. A guard that acts in
+ * every step of the four quarters, while no tool moves, does not keep the body awake, and its
+ * verdict is told on.
  *
  * Torques count as forces at the tool's bounding radius R. The stiffness that is told, which some
  * models find over seconds, is within 5e-3 of where it ends in the same way. A tool that touches or
@@ -71,9 +72,10 @@ struct ss_sleep {
     int32_t quarter; /* steps */
     ss_real *place;  /* displacements at the start of the quarter */
     /* state */
-    int32_t steps;    /* of this quarter, so far */
-    int32_t quarters; /* still, on end */
-    int32_t moving;   /* the node that moved last: it is looked at first */
+    int32_t steps;           /* of this quarter, so far */
+    int32_t quarters;        /* still, on end */
+    int32_t moving;          /* the node that moved last: it is looked at first */
+    softsim_verdict verdict; /* of the last step */
     bool is_asleep;
     int64_t slept; /* steps */
     double until;  /* s */
@@ -341,7 +343,7 @@ static bool lets_sleep(ss_sleep *sleep, int32_t p, const ss_model_tool *input, d
         tool->is_free = tool->clearance > (1.0 + NEAR_MORE) * near;
     }
     tool->pose = input->to;
-    return tool->is_free || tool->still >= QUARTERS;
+    return (tool->is_free && sleep->verdict == SOFTSIM_VERDICT_GOOD) || tool->still >= QUARTERS;
 }
 
 /* ---- falling asleep and waking ---- */
@@ -442,9 +444,11 @@ void ss_sleep_watch(ss_sleep *sleep, double time, const ss_model_tool tool[SOFTS
                     const double near[SOFTSIM_MAX_PROBES], const ss_model_info *info,
                     const ss_contact_set *const set[SOFTSIM_MAX_PROBES])
 {
-    bool is_still = info->verdict <= SOFTSIM_VERDICT_GUARDED && !(info->travelled < 1.0) &&
-                    !is_driven(sleep, time + sleep->step) && !is_moving(sleep) &&
-                    (sleep->steps == 0 || !has_gone(sleep));
+    const bool is_same_verdict = info->verdict == sleep->verdict;
+    sleep->verdict = info->verdict;
+    bool is_still = is_same_verdict && info->verdict <= SOFTSIM_VERDICT_GUARDED &&
+                    !(info->travelled < 1.0) && !is_driven(sleep, time + sleep->step) &&
+                    !is_moving(sleep) && (sleep->steps == 0 || !has_gone(sleep));
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         is_still = is_tool_still(sleep, p, &tool[p], set[p]) && is_still;
     }

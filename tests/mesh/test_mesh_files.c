@@ -99,7 +99,7 @@ static void expect_cut(const char *name, const void *data, size_t size, const ch
 
 TEST(ascii_and_binary_stl_join_their_corners)
 {
-    char text[8192] = "solid facet\n"; /* a name may be a word of the format */
+    char text[8192] = "solid facet normal\n"; /* a name may be words of the format */
     char binary[84 + 12 * 50] = "binary";
     const uint32_t count = 12;
     memcpy(binary + 80, &count, sizeof count);
@@ -129,6 +129,12 @@ TEST(ascii_and_binary_stl_join_their_corners)
                "word.stl:86: it is cut off: no endsolid after 12");
     expect_cut("part.stl", text, size - end - 20,
                "it is cut off: it ends within a triangle after 11 whole triangles: ");
+    /* A second body that is cut off before its first triangle. */
+    static const char *const second[] = {"solid", "solid b\n", "solid b\nfacet nor"};
+    for (int k = 0; k < 3; ++k) {
+        (void)snprintf(text + size, sizeof text - size, "%s", second[k]);
+        expect_cut("second.stl", text, strlen(text), "no endsolid after 12 whole triangles: ");
+    }
 }
 
 /* The cube with positions and indices in the file `uri`. */

@@ -296,7 +296,7 @@ TEST(crossings_of_random_triangles_are_those_of_a_search_over_all_pairs)
     }
 }
 
-/* Two fans on one rim, nodes of which lie anywhere, in a plane or not, and loose triangles. */
+/* A fan, or two on one rim, nodes of which lie anywhere, in a plane or not, and loose triangles. */
 static ss_mesh *make_fans(uint64_t *random, int round)
 {
     enum { RIM = 90, LOOSE = 30, NODES = 2 + RIM + 3 * LOOSE, TRIANGLES = 2 * RIM + LOOSE };
@@ -309,7 +309,7 @@ static ss_mesh *make_fans(uint64_t *random, int round)
         const double turn = 2.0 * SS_PI * (i + 8.0 * off) / RIM;
         ss_set3(x[2 + i], cos(turn) * (1.0 + off), sin(turn) * (1.0 + off), is_flat ? 0.0 : off);
         const int32_t a = 2 + i, b = 2 + (i + 1) % RIM;
-        /* The second fan is not there in some rounds, and folded onto the first in the plane. */
+        /* Both have one hub in half of the rounds, and are folded onto each other. */
         const int32_t fan[2][3] = {{0, a, b}, {round % 4 < 2 ? 1 : 0, b, a}};
         memcpy(triangle[2 * i], fan, sizeof fan);
     }

@@ -260,6 +260,42 @@ TEST_WITH(parts_and_crossings_are_told, make_folder, remove_folder)
     assert_null(strstr(out, "tetrahedralize"));
 }
 
+/* Caps of 80 triangles around a node are everyday work of other programs. */
+TEST_WITH(a_cylinder_of_80_sides_is_felt, make_folder, remove_folder)
+{
+    assert_int_equal(run("awk 'BEGIN{n = 80; m = 12; for (k = 0; k <= m; ++k) for (i = 0; i < n; "
+                         "++i) printf \"v %g "
+                         "%g %g\\n\", 30 * cos(6.2831853 * i / n), 30 * sin(6.2831853 * i / n), 80 "
+                         "* k / m; print "
+                         "\"v 0 0 0\"; print \"v 0 0 80\"; c = n * (m + 1); for (i = 0; i < n; "
+                         "++i) {j = (i + 1) % "
+                         "n; print \"f\", c + 1, j + 1, i + 1; print \"f\", c + 2, n * m + i + 1, "
+                         "n * m + j + 1; for "
+                         "(k = 0; k < m; ++k) {a = n * k; print \"f\", a + i + 1, a + j + 1, a + n "
+                         "+ j + 1; print "
+                         "\"f\", a + i + 1, a + n + j + 1, a + n + i + 1}}}' > cylinder.obj",
+                         out, sizeof out),
+                     0);
+    assert_int_equal(
+        run(TOOL "scene cylinder.obj --tissue kidney --from +x --out c.yaml", out, sizeof out), 0);
+    const double ratio = number_after(out, "of indentation, ");
+    assert_true(ratio > 0.8 && ratio < 1.2);
+    assert_non_null(strstr(out, " mm: good\n"));
+}
+
+/* A tool that finds nothing to press where it is sent is not called good: 8 nodes, a corner. */
+TEST_WITH(what_is_not_touched_is_not_called_good, make_folder, remove_folder)
+{
+    (void)write_text("box.obj",
+                     "v 0 0 0\nv 90 0 0\nv 90 70 0\nv 0 70 0\nv 0 0 50\nv 90 0 50\nv 90 70 50\n"
+                     "v 0 70 50\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 "
+                     "8\n");
+    assert_int_equal(
+        run(TOOL "scene box.obj --tissue kidney --tool-mm 40 --out b.yaml", out, sizeof out), 0);
+    assert_null(strstr(out, " mm: good\n"));
+    assert_non_null(strstr(out, "degraded: the tool did not touch"));
+}
+
 /* What draws the hand in is not called good: a hole on top, through which the tool goes. */
 TEST_WITH(a_press_through_a_hole_is_not_called_good, make_folder, remove_folder)
 {

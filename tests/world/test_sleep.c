@@ -239,6 +239,38 @@ TEST_WITH(what_a_guard_holds_sleeps_and_says_so, make_folder_with_block, remove_
     close_pair(&p, block.name);
 }
 
+/* One that acts while a tool goes by in the air passes, and is not told on by a body asleep. */
+TEST_WITH(a_guard_that_passes_is_not_slept_over, make_folder_with_block, remove_folder)
+{
+    SKIP_WHERE_REPEATED();
+    static const char *const coarse[] = {
+        "simulation.rate_hz=250", "simulation.max_substeps=4",
+        "contact.tools=[{probe: 0, shape: {sphere: {radius_mm: 4}}}]"};
+    static const body block = {"block", NULL, "  name: chainmail\n", NULL, ON_BLOCK, 0.010};
+    softsim_config config = softsim_default_config();
+    config.has_budget = true; /* as in real time */
+    config.set = coarse;
+    config.set_count = 3;
+    softsim_world *world = make_world_with(write_block(&block), config);
+    softsim_state waved, late;
+    for (int n = 1; n <= 9000; ++n) {
+        double x[3];
+        const double wave = n < 6000 ? sin(2.0 * SS_PI * 2.0 * 1e-3 * n) : 0.0;
+        ss_madd3(x, block.touch, -0.4, block.in);
+        ss_madd3(x, x, 0.2 * wave, block.side);
+        const softsim_pose pose = pose_of(n, x);
+        (void)feel(world, &pose);
+        if (n == 5000) {
+            softsim_read(world, &waved);
+        }
+    }
+    softsim_read(world, &late);
+    assert_int_equal(waved.verdict, SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(late.verdict, SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(late.active_nodes, 0);
+    softsim_destroy(&world);
+}
+
 /* It is told, and sleeps only where it may. */
 TEST_WITH(a_sleeping_body_says_so, make_folder_with_block, remove_folder)
 {

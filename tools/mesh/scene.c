@@ -513,11 +513,13 @@ static void tell(const request *q, const organ *o)
     }
     if (!o->has_volume && o->is_closed && o->crossing_count == 0 && q->purpose != FOR_SPEED &&
         q->model == NULL) {
+        ss_plain_print(stdout, "  for models with physical constants, fill it: ");
+        if (o->is_repaired) {
+            ss_plain_print(stdout, "softsim-mesh convert --repair %s MENDED.obj, then ", q->mesh);
+        }
         ss_plain_print(stdout,
-                       "  for models with physical constants, fill it%s: softsim-mesh "
-                       "tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g\n",
-                       o->is_repaired ? ", mended by softsim-mesh convert --repair" : "",
-                       o->is_repaired ? "MENDED" : q->mesh, o->unit, filling_edge_mm(o));
+                       "softsim-mesh tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g\n",
+                       o->is_repaired ? "MENDED.obj" : q->mesh, o->unit, filling_edge_mm(o));
     }
     ss_plain_print(stdout,
                    "next: softsimd %s, and in another terminal softsim-bridge --device sim "
@@ -562,9 +564,7 @@ static void warn_of(const request *q, const organ *o)
 {
     const trial_result *t = &o->trial;
     const double ratio = ratio_of(o);
-    if (!t->has_touched) {
-        ss_plain_print(stderr, "softsim-mesh: warning: %s: the tool did not touch\n", q->out);
-    } else if (t->verdict != SOFTSIM_VERDICT_GOOD) {
+    if (t->verdict != SOFTSIM_VERDICT_GOOD) {
         ss_plain_print(stderr,
                        "softsim-mesh: warning: %s: the press is %s: %s; try another --model, "
                        "or a mesh of another size\n",

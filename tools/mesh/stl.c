@@ -38,22 +38,21 @@ typedef struct text {
     char word[MAX_WORD];
     size_t length;
     int64_t line, begun, ended;
-    bool is_after_facet, is_closed;
+    bool is_after_facet, is_closed, is_name; /* the rest of the line is a body's name */
 } text;
 
-/* `facet normal` begins a triangle: either alone may be the name of a body. */
 static void take_word(text *t)
 {
-    if (t->length == 0) {
+    if (t->length == 0 || t->is_name) {
+        t->length = 0;
         return;
     }
     t->word[t->length < MAX_WORD ? t->length : MAX_WORD - 1] = '\0';
-    if (t->is_after_facet && strcasecmp(t->word, "normal") == 0) {
-        ++t->begun;
-        t->is_closed = false;
-    }
+    const bool ends = strcasecmp(t->word, "endsolid") == 0;
+    t->is_name = ends || strcasecmp(t->word, "solid") == 0;
+    t->is_closed = ends || (t->is_closed && !t->is_name);
+    t->begun += t->is_after_facet && strcasecmp(t->word, "normal") == 0;
     t->ended += strcasecmp(t->word, "endfacet") == 0;
-    t->is_closed = t->is_closed || strcasecmp(t->word, "endsolid") == 0;
     t->is_after_facet = strcasecmp(t->word, "facet") == 0;
     t->length = 0;
 }
@@ -65,6 +64,7 @@ static const char *check_text(FILE *file)
         if (isspace(c)) {
             take_word(&t);
             t.line += c == '\n';
+            t.is_name = t.is_name && c != '\n' && c != '\r';
         } else {
             t.word[t.length < MAX_WORD ? t.length : MAX_WORD - 1] = (char)c;
             ++t.length;
@@ -74,10 +74,11 @@ static const char *check_text(FILE *file)
     if (t.is_closed && t.begun == t.ended) {
         return NULL;
     }
+    const bool is_within = t.begun > t.ended;
     (void)snprintf(problem, sizeof problem,
-                   ":%lld: it is cut off: %s after %lld whole triangles: " AGAIN, (long long)t.line,
-                   t.begun > t.ended ? "it ends within a triangle" : "no endsolid",
-                   (long long)t.ended);
+                   ":%lld: it is cut off: %s after %lld whole triangles: " AGAIN "%s",
+                   (long long)t.line, is_within ? "it ends within a triangle" : "no endsolid",
+                   (long long)t.ended, is_within ? "" : ", or add endsolid if all is there");
     return problem;
 }
 
@@ -92,12 +93,12 @@ const char *stl_check(const char *path)
     }
     unsigned char start[START_BYTES + 1] = {0};
     const size_t count = fread(start, 1, START_BYTES, file);
-    const char *found = NULL;
+    const char *found = NULL, *first = (const char *)start;
+    first += strncmp(first, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
     if (memchr(start, '\0', count) != NULL) {
         found = check_binary(start, count, size);
-    } else if (strncasecmp((const char *)start + strspn((const char *)start, " \t\r\n"), "solid",
-                           5) == 0) {
-        rewind(file);
+    } else if (strncasecmp(first + strspn(first, " \t\r\n"), "solid", 5) == 0) {
+        (void)fseek(file, first - (const char *)start, SEEK_SET);
         found = check_text(file);
     }
     (void)fclose(file);

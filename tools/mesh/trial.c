@@ -100,8 +100,13 @@ void trial_run(softsim_world *world, const trial_press *press, trial_result *out
     out->deepest = mean_of(&second);
     out->verdict = state.worst_verdict;
     (void)snprintf(out->reason, sizeof out->reason, "%s", state.worst_reason);
-    if (out->verdict <= SOFTSIM_VERDICT_GUARDED &&
-        fmin(out->held.force, out->deepest.force) < DRAWN_IN) {
+    if (!out->has_touched) {
+        out->verdict = SOFTSIM_VERDICT_DEGRADED;
+        (void)snprintf(out->reason, sizeof out->reason,
+                       "the tool did not touch: come from another side with --from, or give "
+                       "another --tool-mm or --units");
+    } else if (out->verdict <= SOFTSIM_VERDICT_GUARDED &&
+               fmin(out->held.force, out->deepest.force) < DRAWN_IN) {
         out->verdict = SOFTSIM_VERDICT_GUARDED;
         (void)snprintf(out->reason, sizeof out->reason,
                        "the force at rest draws the tool in: it slips over an edge or through a "
