@@ -188,6 +188,28 @@ static void expect_refusal(double radius, int parts, softsim_status status, cons
     }
 }
 
+/* A disc of triangles around one node. */
+static void make_fan(int32_t sides)
+{
+    begin_mesh();
+    add_node(0.0, 0.0, 0.0);
+    for (int32_t k = 0; k < sides; ++k) {
+        const double turn = 2.0 * SS_PI * k / sides;
+        add_node(cos(turn), sin(turn), 0.0);
+    }
+    for (int32_t k = 0; k < sides; ++k) {
+        add_triangle(0, 1 + k, 1 + (k + 1) % sides);
+    }
+}
+
+TEST(a_node_of_128_triangles_is_sampled)
+{
+    make_fan(128);
+    open_query(&sphere_5mm, 1, 1.0, 1.0);
+    check_rows();
+    close_query();
+}
+
 TEST(refuses_what_it_cannot_sample)
 {
     make_plane(5, 5, 0.01);
@@ -203,14 +225,7 @@ TEST(refuses_what_it_cannot_sample)
     make_plane(5, 5, 0.01);
     add_triangle(triangles[0][0], triangles[0][1], 20);
     expect_refusal(0.01, 0, SOFTSIM_ERROR_MESH, "manifold");
-    begin_mesh();
-    add_node(0.0, 0.0, 0.0);
-    for (int k = 0; k < 80; ++k) {
-        add_node(cos(0.078539816 * k), sin(0.078539816 * k), 0.0);
-    }
-    for (int32_t k = 0; k < 80; ++k) {
-        add_triangle(0, 1 + k, 1 + (k + 1) % 80);
-    }
+    make_fan(130);
     expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "node 0");
     begin_mesh();
     expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "triangles");
