@@ -137,6 +137,57 @@ TEST(ascii_and_binary_stl_join_their_corners)
     }
 }
 
+/* The cube as PLY of a `format`, text or binary. */
+static size_t make_ply(const char *format, char *out, size_t room)
+{
+    const bool is_text = strcmp(format, "ascii") == 0, is_big = strstr(format, "big") != NULL;
+    size_t used = (size_t)snprintf(
+        out, room,
+        "ply\nformat %s 1.0\ncomment a cube\nelement vertex 8\nproperty float x\nproperty float "
+        "y\nproperty float z\nelement face 12\nproperty list uchar int "
+        "vertex_indices\nend_header\n",
+        format);
+    for (int c = 0; c < 8; ++c) {
+        const float x[3] = {(float)(c & 1), (float)(c >> 1 & 1), (float)(c >> 2)};
+        if (is_text) {
+            used += (size_t)snprintf(out + used, room - used, "%g %g %g\n", (double)x[0],
+                                     (double)x[1], (double)x[2]);
+        }
+        for (int k = 0; k < 12 && !is_text; ++k) {
+            out[used++] = ((const char *)x)[is_big ? k / 4 * 4 + 3 - k % 4 : k];
+        }
+    }
+    for (int t = 0; t < 12; ++t) {
+        if (is_text) {
+            used += (size_t)snprintf(out + used, room - used, "3 %d %d %d\n", cube_face[t][0],
+                                     cube_face[t][1], cube_face[t][2]);
+            continue;
+        }
+        out[used++] = 3;
+        for (int k = 0; k < 12; ++k) {
+            const int byte = is_big ? 3 - k % 4 : k % 4;
+            out[used++] = (char)(byte == 0 ? cube_face[t][k / 4] : 0);
+        }
+    }
+    return used;
+}
+
+TEST(ply_is_read_whole_or_told_to_be_cut_off)
+{
+    static const char *const formats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    for (int f = 0; f < 3; ++f) {
+        char bytes[2048], says[128];
+        const size_t size = make_ply(formats[f], bytes, sizeof bytes);
+        expect_cube(write_bytes("whole.ply", bytes, size), 8);
+        const size_t head = (size_t)(strstr(bytes, "end_header\n") + 11 - bytes);
+        for (size_t cut = 2; cut < size - head; cut += 7) {
+            expect_cut("cut.ply", bytes, size - cut, "it is cut off: its header says ");
+        }
+        (void)snprintf(says, sizeof says, "says 12 of element face, and 11 are whole: ");
+        expect_cut("last.ply", bytes, size - (f == 0 ? 3 : 1), says);
+    }
+}
+
 /* The cube with positions and indices in the file `uri`. */
 static const char *write_gltf(const char *name, const char *uri)
 {

@@ -16,6 +16,7 @@
 #include "mesh/import.h"
 #include "beside.h"
 #include "obj.h"
+#include "ply.h"
 #include "rt/hash.h"
 #include "rt/plain.h"
 #include "rt/program.h"
@@ -347,6 +348,7 @@ static const char *read_surface(const char *path, surface *s)
     const obj_text *obj = has_ending(path, ".obj") ? &prepared : NULL;
     const char *problem = obj != NULL                ? obj_prepare(path, &prepared)
                           : has_ending(path, ".stl") ? stl_check(path)
+                          : has_ending(path, ".ply") ? ply_check(path)
                                                      : NULL;
     if (problem != NULL) {
         return problem == obj_no_memory ? say_no_memory() : problem;
