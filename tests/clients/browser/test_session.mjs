@@ -166,7 +166,9 @@ await page.screenshot({ path: `${pictures}/no-mesh.png` });
 
 // What is drawn anew leaves nothing of the old behind on the graphics card.
 const memory = async () => {
-  await drawnAnew(page); // what is not drawn yet is not there yet
+  do { // what is not drawn yet is not there yet, and a page that was held up draws late
+    await drawnAnew(page);
+  } while (await page.evaluate(() => softsim.view.renderer.info.memory.geometries) === 0);
   return page.evaluate(() => ({ ...softsim.view.renderer.info.memory }));
 };
 await kill(server);
