@@ -235,7 +235,7 @@ typedef struct search {
     int32_t own;
 } search;
 
-/* Of two with hubs each looks for the other, else the lower number, or the one without. */
+/* Of two at the hub each looks for the other, of others the lower number, or the one not at it. */
 static void try_pair(void *what, int32_t other)
 {
     search *s = what;

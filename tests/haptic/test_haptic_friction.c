@@ -244,6 +244,18 @@ TEST(a_loop_costs_the_friction_and_the_observer_counts_it)
     }
 }
 
+/* 10 mm deep, from outside, at a limit that is reached before. */
+static void press_to_limit(rig *r, tissue *t, double limit)
+{
+    ss_haptic_config config = default_config();
+    config.max_force = limit;
+    *t = (tissue){{0.0, 0.0}, false};
+    rig_start(r, &config);
+    for (int i = 0; i <= 800; ++i) {
+        (void)step(r, t, 1, 0.0, 0.0, 1e-3 - 11e-3 * fmin(1.0, i / 400.0));
+    }
+}
+
 /* 10 mm deep at a limit that is reached at 2.5 mm, a hand shakes sideways by 3 mm: friction takes
  * mu N on every way there and back, but for the stretch of its spring as the hand turns round. */
 TEST(at_the_limit_friction_takes_energy_from_a_hand_that_shakes)
@@ -251,13 +263,8 @@ TEST(at_the_limit_friction_takes_energy_from_a_hand_that_shakes)
     const double limit = 0.7, size = 0.003;
     for (int hz = 10; hz <= 20; hz += 5) {
         rig r;
-        tissue t = {{0.0, 0.0}, false};
-        ss_haptic_config config = default_config();
-        config.max_force = limit;
-        rig_start(&r, &config);
-        for (int i = 0; i <= 800; ++i) {
-            (void)step(&r, &t, 1, 0.0, 0.0, 1e-3 - 11e-3 * fmin(1.0, i / 400.0));
-        }
+        tissue t;
+        press_to_limit(&r, &t, limit);
         double before = 0.0, paid = 0.0, way = 0.0;
         for (int i = 1; i <= 4000; ++i) {
             const double x = size * sin(2.0 * SS_PI * hz * i * T), felt = r.out.force.force[0];
@@ -326,13 +333,8 @@ TEST(at_the_limit_friction_takes_energy_from_a_hand_that_circles)
     const double limit = 0.7, size = 0.003;
     for (int hz = 2; hz <= 14; hz += 4) {
         rig r;
-        tissue t = {{0.0, 0.0}, false};
-        ss_haptic_config config = default_config();
-        config.max_force = limit;
-        rig_start(&r, &config);
-        for (int i = 0; i <= 800; ++i) {
-            (void)step(&r, &t, 1, 0.0, 0.0, 1e-3 - 11e-3 * fmin(1.0, i / 400.0));
-        }
+        tissue t;
+        press_to_limit(&r, &t, limit);
         double before[2] = {0.0, 0.0}, paid = 0.0, way = 0.0;
         for (int i = 1; i <= 4000; ++i) {
             const double turn = 2.0 * SS_PI * hz * i * T, grown = size * fmin(1.0, i / 500.0);

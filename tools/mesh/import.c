@@ -57,24 +57,21 @@ typedef struct surface {
     int64_t joined_count, unused_count; /* of join_nodes */
 } surface;
 
-/* Of address space; what is in force already may be less. */
-static rlim_t limit_memory(void)
+/* Of address space: the importer's own limit, or what is in force already where that is less. */
+static rlim_t memory_limit(void)
 {
     struct rlimit bytes;
     const rlim_t own = SS_IMPORT_MAX_BYTES;
-    const bool is_known = getrlimit(RLIMIT_AS, &bytes) == 0;
-    const rlim_t least = is_known && bytes.rlim_cur < own ? bytes.rlim_cur : own;
-    bytes = (struct rlimit){least, least};
-    /* The sanitizers reserve terabytes of address space. */
-    if (!IS_SANITIZED) {
-        (void)setrlimit(RLIMIT_AS, &bytes);
-    }
-    return least;
+    return getrlimit(RLIMIT_AS, &bytes) == 0 && bytes.rlim_cur < own ? bytes.rlim_cur : own;
 }
 
 static void set_limits(void)
 {
-    (void)limit_memory();
+    const struct rlimit bytes = {memory_limit(), memory_limit()};
+    /* The sanitizers reserve terabytes of address space. */
+    if (!IS_SANITIZED) {
+        (void)setrlimit(RLIMIT_AS, &bytes);
+    }
     const struct rlimit seconds = {SS_IMPORT_MAX_CPU_S, SS_IMPORT_MAX_CPU_S};
     const struct rlimit none = {0, 0};
     (void)setrlimit(RLIMIT_CPU, &seconds);
@@ -318,7 +315,7 @@ static int fail(const char *path, const char *what)
 static const char *say_no_memory(void)
 {
     static char text[128] = "too large for 1 GiB of memory: simplify the mesh first";
-    const rlim_t least = limit_memory();
+    const rlim_t least = memory_limit();
     if (least < (rlim_t)SS_IMPORT_MAX_BYTES) {
         (void)snprintf(text, sizeof text,
                        "it does not fit into the %llu MiB of memory that are allowed here (ulimit "
