@@ -176,7 +176,8 @@ static void note_feature(ss_ring *g, int32_t end)
 bool ss_remesher_gather(const ss_remesher *r, int32_t node, ss_ring *g)
 {
     int32_t first = r->corner[node];
-    *g = (ss_ring){0};
+    g->count = g->features = 0;
+    g->is_open = false;
     for (int k = 0; k < SS_REMESH_MAX_RING; ++k) {
         if (r->mate[first] < 0) {
             g->is_open = true;

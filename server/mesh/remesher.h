@@ -70,8 +70,8 @@ static inline int32_t ss_third_of(const ss_remesher *r, int32_t id)
     return r->triangle[id / 3][(id % 3 + 2) % 3];
 }
 
-enum { SS_REMESH_MAX_RING = 48 };
-/* What is around a node. */
+enum { SS_REMESH_MAX_RING = 1024 };
+/* What is around a node; one of more triangles keeps them. */
 typedef struct ss_ring {
     int32_t side[SS_REMESH_MAX_RING]; /* that start at the node, in order; from its border where it
                                          has one */

@@ -113,6 +113,26 @@ TEST(slivers_go_and_edges_are_even)
     assert_int_equal(ss_memory_in_use(), before);
 }
 
+/* As programs write spheres and cones: the poles have as many triangles as there are slices. */
+TEST(fans_of_many_triangles_go)
+{
+    const double half[3] = {1.0, 1.0, 1.0};
+    static const int slices[] = {60, 500};
+    for (int32_t i = 0; i < COUNT(slices); ++i) {
+        ss_mesh *mesh = make_ellipsoid(40, slices[i], half);
+        ss_mesh_remeshing done;
+        ss_mesh *even = remesh(mesh, 0.15, &done);
+        ss_mesh_report r;
+        ss_mesh_quality quality;
+        expect_sound(even, true, &r);
+        ss_mesh_measure_quality(even, &quality);
+        assert_int_equal(quality.sliver.count, 0);
+        assert_true(r.edge_min > 0.4 * 0.15);
+        ss_mesh_destroy(&even);
+        ss_mesh_destroy(&mesh);
+    }
+}
+
 /* Faces around a point go at random, the less likely the farther off: a hole with a ragged border.
  */
 static ss_mesh *tear(const ss_mesh *mesh, const double at[3], double radius, uint64_t *random)
