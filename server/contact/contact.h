@@ -104,6 +104,9 @@ void ss_surface_destroy(ss_surface **surface);
 int64_t ss_surface_sample_count(const ss_surface *surface);
 /* Mean edge of the triangles at rest, m. */
 double ss_surface_mean_edge(const ss_surface *surface);
+/* How far a node of the mesh lies from its place on the sampled surface at rest, m, at most: there,
+ * at *out_node, a tool goes in so far before it is felt. */
+double ss_surface_rounding(const ss_surface *surface, int32_t *out_node);
 
 /* Refits the bounding hierarchy to the displaced nodes (`u`: 4 ss_real a node); keeps it, and
  * widens the queries, while no node has moved much since the last refit: one pass over the nodes.

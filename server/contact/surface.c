@@ -526,3 +526,31 @@ double ss_surface_mean_edge(const ss_surface *surface)
 {
     return surface->mean_edge;
 }
+
+double ss_surface_rounding(const ss_surface *surface, int32_t *out_node)
+{
+    double most = 0.0;
+    *out_node = 0;
+    for (int32_t t = 0; t < surface->triangle_count; ++t) {
+        const ss_patch *patch = &surface->patch[surface->patch_of[t]];
+        const ss_real *row = surface->coefficient + (int64_t)patch->first * SS_GRID_ROW;
+        const int32_t *control = surface->control + surface->control_first[t];
+        for (int p = 0; p < SS_GRID_POINTS; ++p) {
+            const ss_real *bary = surface->grid.bary[p];
+            const int corner = bary[0] == 1 ? 0 : bary[1] == 1 ? 1 : bary[2] == 1 ? 2 : -1;
+            double off[3] = {0};
+            for (int32_t i = 0; i < patch->control_count && corner >= 0; ++i) {
+                const ss_real *x = surface->rest + 4 * (int64_t)control[i];
+                const ss_real *own = surface->rest + 4 * (int64_t)control[corner];
+                for (int c = 0; c < 3; ++c) {
+                    off[c] += (double)row[i * SS_GRID_ROW + p] * ((double)x[c] - (double)own[c]);
+                }
+            }
+            if (corner >= 0 && ss_norm3(off) > most) {
+                most = ss_norm3(off);
+                *out_node = control[corner];
+            }
+        }
+    }
+    return most;
+}

@@ -11,6 +11,7 @@
 #include "rt/vec.h"
 
 static const double most_turn = 0.5; /* cosine between a triangle's normals before and after */
+static const double as_flat = 0.8;   /* of how open it was */
 
 /* Is the node where features meet, end or bend? */
 static bool is_corner(const ss_remesher *r, int32_t node, const ss_ring *g)
@@ -32,22 +33,35 @@ static int valence(const ss_ring *g)
     return g->count + g->is_open;
 }
 
+/* How far triangle x b c is from flat: 1 where its angle at x is 3 degrees, or its least height a
+ * hundredth of an edge. */
+static double openness(const double x[3], const double b[3], const double c[3])
+{
+    double u[3], v[3], across[3];
+    ss_sub3(u, b, x);
+    ss_sub3(v, c, x);
+    ss_cross3(across, u, v);
+    const double size = ss_norm3(across);
+    const double flat =
+        fmax(0.05 * ss_norm3(u) * ss_norm3(v), 0.01 * fmax(ss_dot3(u, u), ss_dot3(v, v)));
+    return flat > 0.0 ? size / flat : 0.0;
+}
+
 bool ss_remesh_turns_over(const ss_remesher *r, int32_t side, const double x[3])
 {
-    double before[3], after[3], u[3], v[3], given[3];
+    double before[3], after[3], u[3], given[3];
     const double *a = r->x[ss_start_of(r, side)];
     const double *b = r->x[ss_end_of(r, side)], *c = r->x[ss_third_of(r, side)];
     ss_normal3(before, a, b, c);
     ss_normal3(after, x, b, c);
     ss_sub3(u, b, x);
-    ss_sub3(v, c, x);
     ss_sub3(given, b, a);
     const double size = ss_norm3(after);
-    /* Its angle at x and its least height: not below 3 degrees, or a hundredth of an edge. The edge
-     * that it shares with the triangle before, and the height of x: not below a third and a fifth
-     * of L where they were more. */
-    const bool is_flat = !(size > 0.05 * ss_norm3(u) * ss_norm3(v)) ||
-                         !(size > 0.01 * fmax(ss_dot3(u, u), ss_dot3(v, v)));
+    /* Not flat, unless it hardly was less so: needles side by side shear each other a little as
+     * they are joined, and become fewer. The edge that it shares with the triangle before, and the
+     * height of x: not below a third and a fifth of L where they were more. */
+    const double open = openness(x, b, c);
+    const bool is_flat = !(open > 1.0) && !(open > as_flat * openness(a, b, c));
     double across[3];
     ss_sub3(across, c, b);
     const double base = ss_norm3(across);

@@ -233,6 +233,23 @@ TEST(refuses_what_it_cannot_sample)
     expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "triangles");
 }
 
+/* The octahedron's corner, by Loop's rules: n beta(4) = 31/64, middles of edges at 3/8, so that
+ * level 1 has it at 33/64 and level 2 at (33/64)^2 + 31/64 3/8 of its height. */
+TEST(corners_are_cut_off_by_what_the_rules_say)
+{
+    int32_t node = -1;
+    ss_surface *rounded = NULL;
+    make_sphere(0, 0.05);
+    assert_int_equal(ss_surface_create(&mesh, 0.05, 0, &rounded, NULL), SOFTSIM_OK);
+    const double height = 33.0 / 64.0 * 33.0 / 64.0 + 31.0 / 64.0 * 3.0 / 8.0;
+    assert_near(ss_surface_rounding(rounded, &node), 0.05 * (1.0 - height), 1e-8);
+    ss_surface_destroy(&rounded);
+    assert_int_equal(ss_surface_create(&mesh, 0.05, SS_SURFACE_CENTROIDS, &rounded, NULL),
+                     SOFTSIM_OK);
+    assert_near(ss_surface_rounding(rounded, &node), 0.0, 1e-9);
+    ss_surface_destroy(&rounded);
+}
+
 TEST(picks_parts_by_radius_over_edge)
 {
     static const double ratio[4] = {0.4, 0.6, 2.0, 3.1};

@@ -119,7 +119,7 @@ TEST(fans_of_many_triangles_go)
     const double half[3] = {1.0, 1.0, 1.0};
     static const int slices[] = {60, 500};
     for (int32_t i = 0; i < COUNT(slices); ++i) {
-        ss_mesh *mesh = make_ellipsoid(40, slices[i], half);
+        ss_mesh *mesh = make_ellipsoid(12, slices[i], half);
         ss_mesh_remeshing done;
         ss_mesh *even = remesh(mesh, 0.15, &done);
         ss_mesh_report r;

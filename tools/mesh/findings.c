@@ -94,8 +94,8 @@ static bool try_repair(const char *path, const ss_mesh *mesh)
     ss_mesh *mended = NULL;
     ss_mesh_repairs done;
     ss_progress_stage("trying to mend it");
-    bool is_good = ss_mesh_repair(mesh, &mended, &done, NULL) == SOFTSIM_OK &&
-                   ss_mesh_diagonal(mended) > 0.0;
+    bool is_good =
+        ss_mesh_repair(mesh, &mended, &done, NULL) == SOFTSIM_OK && ss_mesh_diagonal(mended) > 0.0;
     if (is_good) {
         ss_mesh_transform(mended, 1.0 / ss_mesh_diagonal(mended), still, still);
         is_good = ss_mesh_accept(mended, path, NULL) == SOFTSIM_OK;
@@ -373,6 +373,7 @@ void findings_print_json(const findings *f)
     print_json_measures(f);
     if (f->is_check) {
         (void)printf(", \"is_crossing_complete\": %s", f->is_crossing_complete ? "true" : "false");
+        (void)printf(", \"is_mended_by_repair\": %s", f->is_mended ? "true" : "false");
         print_json_rows(f);
         (void)printf(", \"material\": ");
         ss_plain_json(stdout, cost_material);

@@ -3,8 +3,8 @@
 #pragma once
 /*
  * What softsim-mesh scene has decided, and the parts that it is made by: organ_unit.c chooses the
- * unit, organ_text.c writes it as a scene, organ_picture.c draws it, scene.c decides the rest. SI,
- * world frame.
+ * unit, organ_text.c writes it as a scene, organ_picture.c draws it, organ_report.c says how it
+ * is felt, scene.c decides the rest. SI, world frame.
  */
 #include <stdio.h>
 
@@ -12,6 +12,18 @@
 #include "models/model.h"
 #include "tissue.h"
 #include "trial.h"
+
+/* What the user asked for. */
+typedef enum organ_purpose { FOR_FEEL, FOR_ACCURACY, FOR_SPEED } organ_purpose;
+typedef struct organ_request {
+    const char *mesh, *tissue_name, *out, *fixed, *model, *preview;
+    int32_t units, purpose, side;
+    double tool_mm; /* 0: by the body's size */
+    bool lists_tissues;
+} organ_request;
+
+/* A tool's radius over the mean edge, at least, unless another was asked for. */
+#define ORGAN_RADIUS_PER_EDGE 1.1
 
 typedef struct organ {
     const char *mesh_name; /* as the scene is to name the file */
@@ -23,6 +35,7 @@ typedef struct organ {
     double volume, area;
     bool is_closed, has_volume;
     int64_t open_edges, crossing_count;
+    bool is_crossing_complete; /* every pair was looked at */
     int32_t part_count;
 
     const tissue *tissue;
@@ -32,11 +45,12 @@ typedef struct organ {
 
     double towards[3]; /* the side that the hand comes from */
     const char *side, *axes;
-    char fixed[512];   /* an entry of object.fixed; "": none */
-    double radius;     /* of the tool */
-    double depth;      /* at which the force is read */
-    double deepest;    /* as deep as the simulated hand goes */
-    double hand_scale; /* world metres a metre of that hand */
+    char fixed[512];     /* an entry of object.fixed; "": none */
+    double radius;       /* of the tool */
+    double usual_radius; /* that the body's size alone would ask for */
+    double depth;        /* at which the force is read */
+    double deepest;      /* as deep as the simulated hand goes */
+    double hand_scale;   /* world metres a metre of that hand */
     double working_force, max_force;
 
     /* of the scene, once it is loaded */
@@ -50,6 +64,17 @@ typedef struct organ {
  * become metres. */
 softsim_status organ_choose_unit(organ *o, const char *path, int32_t given, ss_mesh *mesh,
                                  softsim_error *error);
+
+/* To two digits. */
+double organ_round(double x);
+/* The force of the press that was held, over Hertz's for the way that the surface went. */
+double organ_ratio(const organ *o);
+/* Why a model of tetrahedra cannot have this surface, and the commands that fill it. */
+softsim_status organ_refuse_surface(const organ_request *q, const organ *o, softsim_error *error);
+/* Adds to the fault of a scene that could not be made what would make one, where that is known. */
+void organ_advise(const organ_request *q, const organ *o, softsim_error *error);
+/* Warnings, what was written and how it is felt, and what comes next. */
+void organ_report(const organ_request *q, const organ *o);
 
 /* The constants of the model, a line each as they stand under `model:`. */
 void organ_write_model(FILE *out, const organ *o);

@@ -33,6 +33,8 @@
 
 enum { SCALINGS = 4, MAX_MODELS = 4 };
 static const double HELD_SHARE = 0.15;   /* of the body's height, away from the hand */
+static const double MOST_HELD = 0.4;     /* of it, where that is less than */
+static const double LEAST_HELD = 0.1;   /* of the nodes: a rounded body stands on a few */
 static const double TOOL_SHARE = 0.05;   /* its radius, of the body's diagonal */
 static const double FINGERTIP_M = 0.01;  /* and not larger, but for that */
 static const double LARGEST_TOOL = 0.12; /* the same, where edges are long */
@@ -42,10 +44,7 @@ static const double PLANNED_SHARE = 0.4; /* of a step's time: what is planned le
 static const double CLOSE = 0.02;        /* a scaled force is this near to Hertz */
 static const double LOWERED = 0.75;    /* of the largest force, at a time, while a tool sinks in */
 static const double LEAST_LIMIT = 0.8; /* of the working force: it is not lowered below */
-static const double SOFT = 0.5, HARD = 1.6; /* times Hertz's: told beyond */
-static const double COARSE = 1.0;           /* edges longer than this many radii of the tool */
 
-typedef enum purpose { FOR_FEEL, FOR_ACCURACY, FOR_SPEED } purpose;
 /* What is tried, in this order. */
 static const char *const wanted[][MAX_MODELS] = {
     [FOR_FEEL] = {"fem-quadratic", "fem", "cnn-energy", NULL},
@@ -55,19 +54,12 @@ static const char *const wanted[][MAX_MODELS] = {
 /* Haptic periods of a step, at most: a hand feels less of what comes later. */
 static const int32_t slowest[] = {[FOR_FEEL] = 4, [FOR_ACCURACY] = 10, [FOR_SPEED] = 2};
 
-typedef struct request {
-    const char *mesh, *tissue_name, *out, *fixed, *model, *preview;
-    int32_t units, purpose, side;
-    double tool_mm;
-    bool lists_tissues;
-} request;
-
 /* ---- arguments ---- */
 
 static ss_args_result parse(int argc, char **argv, void *what, softsim_error *error)
 {
-    request *q = what;
-    *q = (request){.units = -1, .fixed = "away"};
+    organ_request *q = what;
+    *q = (organ_request){.units = -1, .fixed = "away"};
     const ss_arg rows[] = {
         SS_TEXT("--tissue", &q->tissue_name, "NAME", "what it is made of; --tissues lists them"),
         SS_TEXT("--out", &q->out, "ORGAN.yaml", "the scene"),
@@ -142,8 +134,9 @@ static void measure(const ss_mesh *mesh, organ *o)
         o->part_count = report.component_count;
     }
     ss_mesh_fault crossing;
-    bool is_complete;
-    o->crossing_count = ss_mesh_find_crossings(mesh, &crossing, &is_complete) ? crossing.count : 0;
+    ss_progress_stage("looking for triangles that cross others, of %d", mesh->triangle_count);
+    o->crossing_count =
+        ss_mesh_find_crossings(mesh, &crossing, &o->is_crossing_complete) ? crossing.count : 0;
     o->diagonal = ss_mesh_diagonal(mesh);
     o->edge = ss_mesh_mean_side((const double(*)[3])mesh->position,
                                 (const int32_t(*)[3])mesh->triangle, mesh->triangle_count);
@@ -158,32 +151,25 @@ static double height_of(const organ *o)
     return fabs(ss_dot3(way, o->towards));
 }
 
-/* To two digits. */
-static double rounded(double x)
+static void choose_tool(const organ_request *q, organ *o)
 {
-    const double unit = pow(10.0, floor(log10(x)) - 1.0);
-    return unit * round(x / unit);
-}
-
-static void choose_tool(const request *q, organ *o)
-{
-    const double usual = fmin(TOOL_SHARE * o->diagonal, FINGERTIP_M);
-    o->radius =
-        q->tool_mm > 0.0
-            ? 1e-3 * q->tool_mm
-            : rounded(fmin(fmax(usual, 1.1 * COARSE * o->edge), LARGEST_TOOL * o->diagonal));
+    o->usual_radius = fmin(TOOL_SHARE * o->diagonal, FINGERTIP_M);
+    o->radius = q->tool_mm > 0.0
+                    ? 1e-3 * q->tool_mm
+                    : organ_round(fmin(fmax(o->usual_radius, ORGAN_RADIUS_PER_EDGE * o->edge),
+                                       LARGEST_TOOL * o->diagonal));
     const double most = DEEPEST_SHARE * height_of(o);
-    o->hand_scale = HAND_DEPTH_M > most ? rounded(most / HAND_DEPTH_M) : 1.0;
+    o->hand_scale = HAND_DEPTH_M > most ? organ_round(most / HAND_DEPTH_M) : 1.0;
     o->deepest = o->hand_scale * HAND_DEPTH_M;
     o->depth = fmin(0.5 * o->radius, 0.6 * o->deepest);
     const double force =
         trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, o->deepest);
-    o->working_force = rounded(fmin(fmax(force, 0.05), 4.0));
-    o->max_force = rounded(fmin(fmax(2.5 * force, 0.5), 8.0));
+    o->working_force = organ_round(fmin(fmax(force, 0.05), 4.0));
+    o->max_force = organ_round(fmin(fmax(2.5 * force, 0.5), 8.0));
 }
 
 /* A word that is neither a group nor an entry would be YAML of another meaning. */
-static softsim_status check_fixed(const request *q, const organ *o, softsim_error *error)
+static softsim_status check_fixed(const organ_request *q, const organ *o, softsim_error *error)
 {
     if (o->fixed[0] == '\0' || (o->fixed[0] == '{' && strchr(o->fixed, '\n') == NULL)) {
         return SOFTSIM_OK;
@@ -214,7 +200,25 @@ static void name_group(const char *name, char *out, size_t size)
     free(text);
 }
 
-static void choose_fixed(const request *q, const ss_mesh *mesh, organ *o)
+/* How much of its height is held. */
+static double held_share(const ss_mesh *mesh, const organ *o)
+{
+    double share = HELD_SHARE;
+    for (int32_t held = 0; share < MOST_HELD; share += 0.05, held = 0) {
+        for (int32_t i = 0; i < mesh->node_count; ++i) {
+            double up[3];
+            ss_sub3(up, mesh->position[i],
+                    ss_dot3(o->towards, o->low) < ss_dot3(o->towards, o->high) ? o->low : o->high);
+            held += ss_dot3(up, o->towards) <= share * height_of(o);
+        }
+        if (held >= LEAST_HELD * mesh->node_count) {
+            break;
+        }
+    }
+    return share;
+}
+
+static void choose_fixed(const organ_request *q, const ss_mesh *mesh, organ *o)
 {
     for (int32_t g = 0; g < mesh->group_count; ++g) {
         if (strcmp(mesh->group[g].name, q->fixed) == 0) {
@@ -230,10 +234,11 @@ static void choose_fixed(const request *q, const ss_mesh *mesh, organ *o)
         return;
     }
     double point[3];
+    const double share = held_share(mesh, o);
     for (int k = 0; k < 3; ++k) {
         const double a = o->towards[k];
-        point[k] = 0.5 * (o->low[k] + o->high[k]) -
-                   (0.5 - HELD_SHARE) * a * fabs(a) * (o->high[k] - o->low[k]);
+        point[k] =
+            0.5 * (o->low[k] + o->high[k]) - (0.5 - share) * a * fabs(a) * (o->high[k] - o->low[k]);
     }
     (void)snprintf(o->fixed, sizeof o->fixed,
                    "{plane: {point_m: [%.4f, %.4f, %.4f], normal: [%g, %g, %g]}}", point[0],
@@ -241,7 +246,7 @@ static void choose_fixed(const request *q, const ss_mesh *mesh, organ *o)
 }
 
 /* Loads the mesh as the scene will have it; mended where it has to be. */
-static softsim_status load(const request *q, organ *o, ss_mesh **out, softsim_error *error)
+static softsim_status load(const organ_request *q, organ *o, ss_mesh **out, softsim_error *error)
 {
     softsim_status status = ss_mesh_load(q->mesh, 1.0, NULL, out, error);
     softsim_error refused = {0};
@@ -264,7 +269,8 @@ static softsim_status load(const request *q, organ *o, ss_mesh **out, softsim_er
 }
 
 /* How the scene, in its folder, names the mesh. */
-static softsim_status name_mesh(const request *q, char *out, size_t size, softsim_error *error)
+static softsim_status name_mesh(const organ_request *q, char *out, size_t size,
+                                softsim_error *error)
 {
     char mesh[PATH_MAX], folder[PATH_MAX], scene[PATH_MAX];
     (void)snprintf(scene, sizeof scene, "%s", q->out);
@@ -323,7 +329,7 @@ static void pass_on(const ss_output *output, const softsim_error *fault, softsim
 
 /* Of the tools: the largest force is lowered until they do not sink in. Of anything: told. */
 typedef struct doubts {
-    const request *q;
+    const organ_request *q;
     int32_t count, of_tools;
     bool is_told;
 } doubts;
@@ -365,7 +371,7 @@ static softsim_world *open_draft(ss_output *output, organ *o, softsim_error *err
         if (d.of_tools == 0 || o->max_force < LEAST_LIMIT * o->working_force) {
             break;
         }
-        o->max_force = rounded(LOWERED * o->max_force);
+        o->max_force = organ_round(LOWERED * o->max_force);
         softsim_destroy(&world);
         world = open_world(output, o, error);
     }
@@ -395,7 +401,7 @@ static ss_touch_body body_of(softsim_world *world)
                            (const int32_t(*)[3])scene->mesh->triangle, scene->fixed};
 }
 
-static softsim_status find_place(const request *q, softsim_world *world, organ *o,
+static softsim_status find_place(const organ_request *q, softsim_world *world, organ *o,
                                  softsim_error *error)
 {
     const ss_touch_body body = body_of(world);
@@ -420,15 +426,8 @@ static void press(softsim_world *world, organ *o, double deepest)
     trial_run(world, &p, &o->trial);
 }
 
-static double ratio_of(const organ *o)
-{
-    const double hertz = trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius,
-                                     o->trial.held.depth);
-    return hertz > 0.0 ? o->trial.held.force / hertz : 0.0;
-}
-
 /* Scales the forces of a model without physical constants to Hertz'. */
-static softsim_status scale_forces(const request *q, ss_output *output, organ *o,
+static softsim_status scale_forces(const organ_request *q, ss_output *output, organ *o,
                                    softsim_error *error)
 {
     softsim_status status = SOFTSIM_OK;
@@ -443,7 +442,7 @@ static softsim_status scale_forces(const request *q, ss_output *output, organ *o
             press(world, o, o->depth);
         }
         softsim_destroy(&world);
-        const double ratio = ratio_of(o);
+        const double ratio = organ_ratio(o);
         if (status != SOFTSIM_OK || !(ratio > 0.0) || fabs(ratio - 1.0) < CLOSE) {
             break;
         }
@@ -454,7 +453,7 @@ static softsim_status scale_forces(const request *q, ss_output *output, organ *o
 
 /* Tries one model: *out_is_good when its press is good and in time. One that is planned too slow is
  * pressed where it is the last, since that is kept. */
-static softsim_status try_model(const request *q, ss_output *output, organ *o, bool is_last,
+static softsim_status try_model(const organ_request *q, ss_output *output, organ *o, bool is_last,
                                 bool *out_is_good, softsim_error *error)
 {
     *out_is_good = false;
@@ -478,144 +477,7 @@ static softsim_status try_model(const request *q, ss_output *output, organ *o, b
     return status;
 }
 
-/* ---- report ---- */
-
-/* Of inner tetrahedra, of e^3 / 8.5 each: 1500 of second order are felt at 1 kHz. */
-static double filling_edge_mm(const organ *o)
-{
-    return rounded(1e3 * cbrt(8.5 * o->volume / 1500.0));
-}
-
-static void tell(const request *q, const organ *o)
-{
-    const trial_result *t = &o->trial;
-    ss_plain_print(stdout, "%s: %s, %d nodes%s, in %s (%s)\n", q->out, o->model->name,
-                   o->node_count, o->has_volume ? "" : " of a surface", o->unit, o->unit_words);
-    if (o->is_repaired) {
-        ss_plain_print(stdout,
-                       "  mended as it is read (object.repair); softsim-mesh check says what\n");
-    }
-    (void)printf("  held: %d nodes; a ball of %.3g mm touches at %.4f,%.4f,%.4f, coming from %s\n",
-                 o->fixed_count, 1e3 * o->radius, o->touch.origin[0], o->touch.origin[1],
-                 o->touch.origin[2], o->side);
-    (void)printf("  pressed and held: %.3g N at %.3g mm of indentation, %.2f times Hertz's force "
-                 "for %.4g Pa and the %.3g mm that the surface went; %.3g N at %.3g mm: %s%s%s\n",
-                 t->held.force, 1e3 * t->held.indentation, ratio_of(o), o->tissue->youngs_modulus,
-                 1e3 * t->held.depth, t->deepest.force, 1e3 * t->deepest.indentation,
-                 softsim_verdict_name(t->verdict), t->reason[0] != '\0' ? ": " : "", t->reason);
-    (void)printf("  beside softsim-bridge's peak force: these are at rest; in motion, at %.3g "
-                 "mm/s, the first was %.3g N\n",
-                 1e3 * t->speed, t->moving_force);
-    (void)printf("  a step of %.3g ms took %.3g ms of a core here (planned: %.3g ms)\n",
-                 1e3 * o->step_s, 1e-3 * t->step_us, 1e-3 * o->step_cost_us);
-    if (q->model == NULL && o->passed_over[0] != '\0') {
-        ss_plain_print(stdout, "  passed over: %s\n", o->passed_over);
-    }
-    if (!o->has_volume && o->is_closed && o->crossing_count == 0 && q->purpose != FOR_SPEED &&
-        q->model == NULL) {
-        ss_plain_print(stdout, "  for models with physical constants, fill it: ");
-        if (o->is_repaired) {
-            ss_plain_print(stdout, "softsim-mesh convert --repair %s MENDED.obj, then ", q->mesh);
-        }
-        ss_plain_print(stdout,
-                       "softsim-mesh tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g\n",
-                       o->is_repaired ? "MENDED.obj" : q->mesh, o->unit, filling_edge_mm(o));
-    }
-    ss_plain_print(stdout,
-                   "next: softsimd %s, and in another terminal softsim-bridge --device sim "
-                   "--duration 8",
-                   q->out);
-    if (strcmp(o->axes, "x,y,z") != 0) {
-        (void)printf(" --axes %s", o->axes);
-    }
-    if (o->hand_scale < 1.0) {
-        (void)printf(" --scale %.3g", o->hand_scale);
-    }
-    (void)printf("\n");
-}
-
-static void warn_of_mesh(const request *q, const organ *o)
-{
-    if (o->unit_doubt[0] != '\0') {
-        ss_plain_print(stderr, "softsim-mesh: warning: %s: %s\n", q->out, o->unit_doubt);
-    }
-    if (o->crossing_count > 0) {
-        ss_plain_print(stderr,
-                       "softsim-mesh: warning: %s: %lld triangles of %s cross others: the body "
-                       "goes through itself there; softsim-mesh check says where\n",
-                       q->out, (long long)o->crossing_count, q->mesh);
-    }
-    if (o->part_count > 1) {
-        ss_plain_print(stderr,
-                       "softsim-mesh: warning: %s: %s has %d separate parts: forces do not pass "
-                       "between them; join them if they should be one\n",
-                       q->out, q->mesh, o->part_count);
-    }
-    if (!o->is_closed && !o->has_volume) {
-        ss_plain_print(stderr,
-                       "softsim-mesh: warning: %s: %s has holes (%lld open edges): it is felt as a "
-                       "sheet, without a volume; close them if the body should have one: "
-                       "softsim-mesh convert --repair fills small ones\n",
-                       q->out, q->mesh, (long long)o->open_edges);
-    }
-}
-
-static void warn_of(const request *q, const organ *o)
-{
-    const trial_result *t = &o->trial;
-    const double ratio = ratio_of(o);
-    if (t->verdict != SOFTSIM_VERDICT_GOOD) {
-        ss_plain_print(stderr,
-                       "softsim-mesh: warning: %s: the press is %s: %s; try another --model, "
-                       "or a mesh of another size\n",
-                       q->out, softsim_verdict_name(t->verdict), t->reason);
-    }
-    if (o->step_cost_us > 0.5e6 * o->step_s || t->step_us > t->period_us) {
-        ss_plain_print(
-            stderr,
-            "softsim-mesh: warning: %s: slower than real time, or hardly faster: a step of "
-            "%.3g ms is planned with %.3g ms of a core and took %.3g ms; take a coarser "
-            "mesh, or --for speed\n",
-            q->out, 1e3 * o->step_s, 1e-3 * o->step_cost_us, 1e-3 * t->step_us);
-    }
-    if (o->edge > COARSE * o->radius) {
-        ss_plain_print(
-            stderr,
-            "softsim-mesh: warning: %s: the mesh is coarse for the tool: edges of %.3g mm, a "
-            "ball of %.3g mm: forces may come out too high (here %.2f times Hertz's); take a finer "
-            "mesh, or a larger --tool-mm\n",
-            q->out, 1e3 * o->edge, 1e3 * o->radius, ratio);
-    } else if (t->has_touched && ratio < SOFT) {
-        ss_plain_print(
-            stderr,
-            "softsim-mesh: warning: %s: the force is %.2f times Hertz's of a large, flat body: "
-            "what is pressed gives way as a whole, or is thin beside the tool; %d of %d nodes are "
-            "held: hold more of it with --fixed (--preview draws what is held)\n",
-            q->out, ratio, o->fixed_count, o->node_count);
-    } else if (t->has_touched && ratio > HARD) {
-        ss_plain_print(
-            stderr,
-            "softsim-mesh: warning: %s: the force is %.2f times Hertz's of a large, flat body: it "
-            "is held close to the tool, or the mesh is coarse: take a finer mesh, or hold less of "
-            "it with --fixed\n",
-            q->out, ratio);
-    }
-}
-
 /* ---- the whole ---- */
-
-static softsim_status refuse_surface(const request *q, const organ *o, softsim_error *error)
-{
-    const double edge_mm = filling_edge_mm(o);
-    softsim_error_add(
-        error, SOFTSIM_ERROR_ARGUMENT,
-        "%s %s needs tetrahedra, and %s is a surface%s: softsim-mesh "
-        "tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g, then softsim-mesh scene "
-        "VOLUME.msh ...; or --for feel --model cnn-energy",
-        q->model != NULL ? "--model:" : "--for:", q->model != NULL ? q->model : "accuracy", q->mesh,
-        o->is_closed ? "" : " with holes, which are to be closed first", q->mesh, o->unit, edge_mm);
-    return SOFTSIM_ERROR_ARGUMENT;
-}
 
 /* Why another model is tried after this one. */
 static void note_passed_over(organ *o, softsim_status status, const softsim_error *error)
@@ -650,7 +512,7 @@ static int next_model(const organ *o, const char *const name[], int at, int coun
 }
 
 /* Goes through the models that may do until one is good; the last is kept otherwise. */
-static softsim_status choose_model(const request *q, ss_output *output, organ *o,
+static softsim_status choose_model(const organ_request *q, ss_output *output, organ *o,
                                    softsim_error *error)
 {
     const char *const *name = q->model != NULL ? &q->model : wanted[q->purpose];
@@ -679,7 +541,7 @@ static softsim_status choose_model(const request *q, ss_output *output, organ *o
 
 /* What was written, once more as a server will read it: what is doubtful is told, and it is drawn.
  */
-static softsim_status finish(const request *q, ss_output *output, const organ *o,
+static softsim_status finish(const organ_request *q, ss_output *output, const organ *o,
                              softsim_error *error)
 {
     const softsim_config config = softsim_default_config();
@@ -697,7 +559,7 @@ static softsim_status finish(const request *q, ss_output *output, const organ *o
     return status == SOFTSIM_OK ? leftover_commit(output, error) : status;
 }
 
-static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, organ *o,
+static softsim_status make(const organ_request *q, ss_mesh *mesh, ss_output *output, organ *o,
                            softsim_error *error)
 {
     char name[PATH_MAX];
@@ -710,7 +572,7 @@ static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, o
     const bool needs_volume =
         q->model != NULL ? ss_model_find(q->model)->needs_volume : q->purpose == FOR_ACCURACY;
     if (needs_volume && !o->has_volume) {
-        return refuse_surface(q, o, error);
+        return organ_refuse_surface(q, o, error);
     }
     if (2e-3 * q->tool_mm > o->diagonal) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
@@ -732,14 +594,16 @@ static softsim_status make(const request *q, ss_mesh *mesh, ss_output *output, o
     choose_fixed(q, mesh, o);
     status = check_fixed(q, o, error);
     status = status == SOFTSIM_OK ? leftover_open(output, q->out, error) : status;
-    status = status == SOFTSIM_OK ? choose_model(q, output, o, error) : status;
+    if (status == SOFTSIM_OK && (status = choose_model(q, output, o, error)) != SOFTSIM_OK) {
+        organ_advise(q, o, error);
+    }
     status = status == SOFTSIM_OK ? write_text(output, o, false, error) : status;
     return status == SOFTSIM_OK ? finish(q, output, o, error) : status;
 }
 
 static int write_scene(const void *what, softsim_error *error)
 {
-    const request *q = what;
+    const organ_request *q = what;
     if (q->lists_tissues) {
         tissue_print(stdout);
         return 0;
@@ -760,14 +624,12 @@ static int write_scene(const void *what, softsim_error *error)
     if (status != SOFTSIM_OK) {
         return 2;
     }
-    warn_of_mesh(q, &o);
-    warn_of(q, &o);
-    tell(q, &o);
+    organ_report(q, &o);
     return 0;
 }
 
 int command_scene(int argc, char **argv)
 {
-    request q;
+    organ_request q;
     return run_command(argc, argv, &q, parse, write_scene);
 }

@@ -495,6 +495,7 @@ static void explain(const ss_model *model, const ss_notes *out)
                  model->is_by_violation ? "largest violation first" : "first in, first out",
                  model->iterations);
     ss_tools_warn_unheld(&model->tools, model->is_held, out);
+    ss_tools_warn_rounded(&model->tools, &model->plan, out);
     if (model->plan.contact_stiffness > 0.0) {
         ss_note_warning(out, "contact.stiffness_n_per_m3",
                         "not used: chainmail has no contact stiffness, and the felt stiffness is "

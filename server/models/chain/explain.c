@@ -79,6 +79,7 @@ static void explain_material(const ss_model *model, const ss_notes *out)
         ss_tools_say_grasp(&model->plan, out);
     }
     ss_tools_warn_unheld(&model->tools, model->is_held, out);
+    ss_tools_warn_rounded(&model->tools, &model->plan, out);
 }
 
 void ss_chain_explain(const ss_model *model, const ss_notes *out)

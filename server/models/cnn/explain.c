@@ -326,6 +326,7 @@ static void explain_tools(const ss_model *model, const ss_notes *out)
             tool->rest_felt);
         ss_tool_say_limits(tool, k, plan, model->network->mean_edge, out);
     }
+    ss_tools_warn_rounded(&model->tools, plan, out);
     if (model->tools.surface) {
         ss_note_used(out, "contact", "%lld samples",
                      (long long)ss_surface_sample_count(model->tools.surface));

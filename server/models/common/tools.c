@@ -20,6 +20,9 @@
  * touch they hold nothing. */
 #define MOST_PRESSED 4.0
 
+/* Corners that are cut off by more of the smallest tool's radius are told. */
+#define TOLD_ROUNDING 0.5
+
 /* ---- set-up ---- */
 
 softsim_status ss_tools_create(ss_tools *tools, const ss_mesh *mesh, const ss_model_plan *plan,
@@ -118,6 +121,20 @@ void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *pla
                         "tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
                         "force will ripple; refine the mesh",
                         index, tool->radius, edge);
+    }
+}
+
+void ss_tools_warn_rounded(const ss_tools *tools, const ss_model_plan *plan, const ss_notes *out)
+{
+    int32_t node = 0;
+    const double rounding = tools->surface ? ss_surface_rounding(tools->surface, &node) : 0.0;
+    if (rounding > TOLD_ROUNDING * ss_plan_smallest_tool(plan)) {
+        ss_note_warning(out, "object.mesh",
+                        "what is felt is a smooth surface through the mesh, which cuts its corners "
+                        "off by up to %.3g mm (node %d): a tool of %.3g mm goes in so far there "
+                        "before it is felt; make edges shorter: softsim-mesh remesh IN OUT "
+                        "--edge-mm N (of a volume: its surface, and fill that again)",
+                        1e3 * rounding, node, 1e3 * ss_plan_smallest_tool(plan));
     }
 }
 

@@ -72,6 +72,8 @@ double ss_tool_largest_depth(const ss_tool *tool, const ss_model_plan *plan);
 /* What is wrong with tool `index` for its hand and its mesh of mean edge `edge` (m). */
 void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *plan, double edge,
                         const ss_notes *out);
+/* Warns of a mesh whose corners the contact surface cuts off, as far as a tool can tell. */
+void ss_tools_warn_rounded(const ss_tools *tools, const ss_model_plan *plan, const ss_notes *out);
 /* Warns of a body that its supports do not hold, where a tool could push it. */
 void ss_tools_warn_unheld(const ss_tools *tools, bool is_held, const ss_notes *out);
 
