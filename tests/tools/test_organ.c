@@ -270,32 +270,35 @@ TEST_WITH(a_slow_surface_is_pressed_as_deep_as_any, make_folder, remove_folder)
     assert_true(deepest > first && number_after(at, " N at ") > 7.0);
 }
 
-/* The kidney and once more, `shift_mm` beside it, in one file. */
-static void write_two(int shift_mm)
+/* The kidney and once more, beside it and above, in one file. */
+static void write_two(int aside_mm, int above_mm)
 {
     char command[512];
     run_tool("generate kidney --points 120 --out one.obj");
     (void)snprintf(
         command, sizeof command,
-        "awk -v d=%d '/^v /{++n; v[n]=$0; print; next} /^f /{f[++m]=$0; print} END{for (i "
-        "= 1; i <= n; ++i) {split(v[i], p); print \"v\", p[2] + d, p[3], p[4]} for (i = 1; "
+        "awk -v d=%d -v h=%d '/^v /{++n; v[n]=$0; print; next} /^f /{f[++m]=$0; print} END{for (i "
+        "= 1; i <= n; ++i) {split(v[i], p); print \"v\", p[2] + d, p[3], p[4] + h} for (i = 1; "
         "i <= m; ++i) {split(f[i], p); print \"f\", p[2] + n, p[3] + n, p[4] + n}}' one.obj "
         "> two.obj",
-        shift_mm);
+        aside_mm, above_mm);
     assert_int_equal(run(command, out, sizeof out), 0);
 }
 
 TEST_WITH(parts_and_crossings_are_told, make_folder, remove_folder)
 {
-    write_two(150);
+    write_two(150, 0);
     assert_int_equal(run(TOOL "scene two.obj --tissue kidney --out o.yaml", out, sizeof out), 0);
     assert_non_null(strstr(out, "warning: o.yaml: two.obj has 2 separate parts"));
     assert_null(strstr(out, " cross others"));
     assert_non_null(strstr(out, "fill it: softsim-mesh tetrahedralize two.obj"));
-    write_two(20);
+    write_two(20, 0);
     assert_int_equal(run(TOOL "scene two.obj --tissue kidney --out o.yaml", out, sizeof out), 0);
     assert_non_null(strstr(out, "triangles of two.obj cross others"));
     assert_null(strstr(out, "tetrahedralize"));
+    write_two(0, 80); /* what is held is of the lower one */
+    assert_int_equal(run(TOOL "scene two.obj --tissue kidney --out o.yaml", out, sizeof out), 2);
+    assert_non_null(strstr(out, "two.obj: it has 2 separate parts, and each is to be held"));
 }
 
 /* Caps of 80 triangles around a node are everyday work of other programs. */

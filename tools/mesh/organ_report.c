@@ -111,6 +111,12 @@ void organ_advise(const organ_request *q, const organ *o, softsim_error *error)
         }
     }
     free(text);
+    if (o->part_count > 1) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "%s: it has %d separate parts, and each is to be held: join them, leave "
+                          "out what is not to be felt, or give --fixed an entry that reaches all",
+                          q->mesh, o->part_count);
+    }
 }
 
 /* ---- of a scene that was written ---- */
