@@ -92,6 +92,8 @@ typedef struct ss_surface ss_surface; /* immutable after create */
 /* One linear sample at the centroid of each triangle, for both penalty and weights: coarse, but
  * with closed forms to check against. */
 enum { SS_SURFACE_CENTROIDS = -1 };
+/* Triangles around a node, at most; more are refused: rows grow with them. */
+enum { SS_MAX_VALENCE = 128 };
 
 /* `parts`: each Loop level-2 sub-triangle is split into parts^2 (1..4); 0 chooses by the smallest
  * tool radius over the mean edge so that at least 60 samples touch at the working depth; or
@@ -104,9 +106,9 @@ void ss_surface_destroy(ss_surface **surface);
 int64_t ss_surface_sample_count(const ss_surface *surface);
 /* Mean edge of the triangles at rest, m. */
 double ss_surface_mean_edge(const ss_surface *surface);
-/* How far a node of the mesh lies from its place on the sampled surface at rest, m, at most: there,
- * at *out_node, a tool goes in so far before it is felt. */
-double ss_surface_rounding(const ss_surface *surface, int32_t *out_node);
+/* How far a node of the mesh stands out of the sampled surface at rest, m, at most: there, at
+ * `out_at` (world), a tool goes into the mesh by so much before it is felt. */
+double ss_surface_rounding(const ss_surface *surface, double out_at[3]);
 
 /* Refits the bounding hierarchy to the displaced nodes (`u`: 4 ss_real a node); keeps it, and
  * widens the queries, while no node has moved much since the last refit: one pass over the nodes.

@@ -58,8 +58,8 @@ static softsim_status check_valence(const ss_mesh *mesh, int32_t *valence, softs
     for (int32_t i = 0; i < mesh->node_count; ++i) {
         if (valence[i] > SS_MAX_VALENCE) {
             softsim_error_add(error, SOFTSIM_ERROR_MESH,
-                              "node %d has %d triangles around it, more than %d: make the faces "
-                              "there of a grid in place of a fan",
+                              "node %d has %d triangles around it, more than %d: softsim-mesh "
+                              "remesh makes fewer of them",
                               ss_mesh_file_node(mesh, i), valence[i], SS_MAX_VALENCE);
             return SOFTSIM_ERROR_MESH;
         }

@@ -65,11 +65,15 @@ static void set_grid(ss_grid *grid, int parts)
         for (int k = 0; k < 3; ++k) {
             grid->facet[0][k] = (uint8_t)k;
             grid->bary[k][k] = 1;
+            grid->corner[k] = (uint8_t)k;
         }
         set_parts(grid, 1);
         return;
     }
     grid->weight_count = 4;
+    grid->corner[0] = grid_index(0, 0);
+    grid->corner[1] = grid_index(4, 0);
+    grid->corner[2] = grid_index(0, 4);
     for (int j = 0; j <= 4; ++j) {
         for (int i = 0; i + j <= 4; ++i) {
             ss_real *bary = grid->bary[grid_index(i, j)];
@@ -527,28 +531,38 @@ double ss_surface_mean_edge(const ss_surface *surface)
     return surface->mean_edge;
 }
 
-double ss_surface_rounding(const ss_surface *surface, int32_t *out_node)
+/* From the place of a triangle's corner on the sampled surface to its node, along its normal. */
+static double stands_out(const ss_surface *surface, int32_t t, int corner)
+{
+    const ss_patch *patch = &surface->patch[surface->patch_of[t]];
+    const ss_real *row = surface->coefficient + (int64_t)patch->first * SS_GRID_ROW;
+    const int32_t *control = surface->control + surface->control_first[t];
+    const ss_real *own = surface->rest + 4 * (int64_t)control[corner];
+    const ss_real *normal = surface->fan_normal[surface->fan[t][corner]];
+    const int p = surface->grid.corner[corner];
+    double out = 0.0;
+    for (int32_t i = 0; i < patch->control_count; ++i, row += SS_GRID_ROW) {
+        const ss_real *x = surface->rest + 4 * (int64_t)control[i];
+        for (int c = 0; c < 3; ++c) {
+            out += (double)row[p] * ((double)own[c] - (double)x[c]) * (double)normal[c];
+        }
+    }
+    return out;
+}
+
+double ss_surface_rounding(const ss_surface *surface, double out_at[3])
 {
     double most = 0.0;
-    *out_node = 0;
+    ss_set3(out_at, 0.0, 0.0, 0.0);
     for (int32_t t = 0; t < surface->triangle_count; ++t) {
-        const ss_patch *patch = &surface->patch[surface->patch_of[t]];
-        const ss_real *row = surface->coefficient + (int64_t)patch->first * SS_GRID_ROW;
-        const int32_t *control = surface->control + surface->control_first[t];
-        for (int p = 0; p < SS_GRID_POINTS; ++p) {
-            const ss_real *bary = surface->grid.bary[p];
-            const int corner = bary[0] == 1 ? 0 : bary[1] == 1 ? 1 : bary[2] == 1 ? 2 : -1;
-            double off[3] = {0};
-            for (int32_t i = 0; i < patch->control_count && corner >= 0; ++i) {
-                const ss_real *x = surface->rest + 4 * (int64_t)control[i];
-                const ss_real *own = surface->rest + 4 * (int64_t)control[corner];
+        for (int corner = 0; corner < 3; ++corner) {
+            const double out = stands_out(surface, t, corner);
+            if (out > most) {
+                const int32_t node = surface->control[surface->control_first[t] + corner];
+                most = out;
                 for (int c = 0; c < 3; ++c) {
-                    off[c] += (double)row[i * SS_GRID_ROW + p] * ((double)x[c] - (double)own[c]);
+                    out_at[c] = surface->centre[c] + (double)surface->rest[4 * (int64_t)node + c];
                 }
-            }
-            if (corner >= 0 && ss_norm3(off) > most) {
-                most = ss_norm3(off);
-                *out_node = control[corner];
             }
         }
     }

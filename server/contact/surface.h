@@ -18,7 +18,6 @@ enum {
     SS_GRID_ROW = 16,     /* the same, padded: 64 bytes of float */
     SS_GRID_FACETS = 16,  /* level-2 facets of a triangle */
     SS_MAX_PARTS = 4,     /* splits of a facet's edge: 256 samples a triangle at most */
-    SS_MAX_VALENCE = 128, /* triangles around a node; more is refused: rows grow with it */
     SS_MAX_CONTROLS = 3 + 3 * SS_MAX_VALENCE,
     SS_TREE_LEAF = 8,  /* triangles of a leaf at most */
     SS_TREE_STACK = 64 /* deeper than any tree over 2^31 triangles */
@@ -56,6 +55,7 @@ typedef struct ss_grid {
     uint8_t facet[SS_GRID_FACETS][3];             /* points of a facet */
     ss_real part[SS_MAX_PARTS * SS_MAX_PARTS][3]; /* weights of the facet's points */
     ss_real bary[SS_GRID_POINTS][3];              /* of a point in the triangle, by corner */
+    uint8_t corner[3];                            /* the points at the triangle's corners */
 } ss_grid;
 
 /* Rows of the grid points over the control nodes: coefficient[control][SS_GRID_ROW]. */

@@ -15,11 +15,13 @@
  * Of the nodes the least of
  *
  *   |way from the middle, across a| / (the largest) + (1 - n . a) + max(0, 1 - d / 4R)
+ *     + 8 max(0, cos 15 degrees - n . a)
  *
  * is taken, d being the distance to the nearest fixed node: central, level, and away from what is
- * held. Left out are nodes that are held, steep ones (n . a < 1/2), and those that the tool does
- * not come near, since something else is in its way. Every k-th node is looked at where there are
- * many. Rejected: the highest point of the body, which is a rim as often as not.
+ * held; on a slope or an edge, whose normal is between its sides', a tool slides off. Left out are
+ * nodes that are held, steep ones (n . a < 1/2), and those that the tool does not come near, since
+ * something else is in its way. Every k-th node is looked at where there are many. Rejected: the
+ * highest point of the body, which is a rim as often as not.
  */
 #include "contact/touch.h"
 
@@ -30,7 +32,8 @@
 #include "rt/vec.h"
 
 enum { MAX_PLACES = 192, MAX_SAMPLES = 48 /* along a side */ };
-static const double LEVEL = 0.5;        /* n . a of a place, at least */
+static const double LEVEL = 0.5; /* n . a of a place, at least */
+static const double GENTLE = 0.966, STEEP_COST = 8.0;
 static const double CLEAR_RADII = 4.0;  /* from what is fixed */
 static const double FINE_RADII = 0.125; /* between samples */
 static const double OFF_RADII = 0.5;    /* above the place where the tool is held up elsewhere */
@@ -192,7 +195,9 @@ bool ss_touch_find(const ss_touch_body *body, const double a[3], const ss_touch_
             continue;
         }
         const double *p = body->position[i];
-        double cost = across(p, middle, a) / widest + 1.0 - ss_dot3(vector[i], a);
+        const double level = ss_dot3(vector[i], a);
+        double cost =
+            across(p, middle, a) / widest + 1.0 - level + STEEP_COST * fmax(0.0, GENTLE - level);
         if (cost >= best) {
             continue;
         }

@@ -238,6 +238,8 @@ bool ss_mesh_is_size_usable(double diagonal);
  * numbers) to `error`; SOFTSIM_OK or SOFTSIM_ERROR_MESH. Open surfaces and several components
  * are usable. */
 softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_error *error);
+/* The same whatever its size, while its unit is not known. */
+softsim_status ss_mesh_accept_shape(const ss_mesh *mesh, const char *name, softsim_error *error);
 /* Shapes of the elements: of tetrahedra, else of quads, else of triangles. Those with a bad index
  * or no volume or area are left out. */
 enum { SS_MESH_ANGLE_BINS = 9 }; /* of 10 degrees each, from 0 */

@@ -114,7 +114,7 @@ static void smooth_node(ss_remesher *r, int32_t node)
     ss_normal3(there, r->given->position[n[0]], r->given->position[n[1]], r->given->position[n[2]]);
     bool is_good = ss_dot3(there, normal) > 0.0; /* else another sheet's */
     for (int i = 0; i < g.count && is_good; ++i) {
-        is_good = !ss_remesh_turns_over(r, g.side[i], back);
+        is_good = !ss_remesh_turns_over(r, g.side[i], back, 1.0);
     }
     if (is_good) {
         ss_copy3(r->x[node], back);

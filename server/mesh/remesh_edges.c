@@ -11,7 +11,6 @@
 #include "rt/vec.h"
 
 static const double most_turn = 0.5; /* cosine between a triangle's normals before and after */
-static const double as_flat = 0.8;   /* of how open it was */
 
 /* Is the node where features meet, end or bend? */
 static bool is_corner(const ss_remesher *r, int32_t node, const ss_ring *g)
@@ -47,7 +46,7 @@ static double openness(const double x[3], const double b[3], const double c[3])
     return flat > 0.0 ? size / flat : 0.0;
 }
 
-bool ss_remesh_turns_over(const ss_remesher *r, int32_t side, const double x[3])
+bool ss_remesh_turns_over(const ss_remesher *r, int32_t side, const double x[3], double as_flat)
 {
     double before[3], after[3], u[3], given[3];
     const double *a = r->x[ss_start_of(r, side)];
@@ -57,11 +56,11 @@ bool ss_remesh_turns_over(const ss_remesher *r, int32_t side, const double x[3])
     ss_sub3(u, b, x);
     ss_sub3(given, b, a);
     const double size = ss_norm3(after);
-    /* Not flat, unless it hardly was less so: needles side by side shear each other a little as
-     * they are joined, and become fewer. The edge that it shares with the triangle before, and the
-     * height of x: not below a third and a fifth of L where they were more. */
-    const double open = openness(x, b, c);
-    const bool is_flat = !(open > 1.0) && !(open > as_flat * openness(a, b, c));
+    /* Not flat, or hardly flatter where it was. The edge that it shares with the triangle before,
+     * and the height of x: not below a third and a fifth of L where they were more; that bounds
+     * what comes of many such steps. */
+    const double was_open = openness(a, b, c);
+    const bool is_flat = !(openness(x, b, c) > (was_open > 1.0 ? 1.0 : as_flat * was_open));
     double across[3];
     ss_sub3(across, c, b);
     const double base = ss_norm3(across);
@@ -116,6 +115,31 @@ bool ss_remesh_divide(ss_remesher *r, int32_t id)
 
 /* ---- taking away ---- */
 
+/* Needles side by side shear each other a little as they are joined, and become fewer: they may
+ * be so much flatter. */
+static const double sheared = 0.8;
+
+/* Has the node more than three neighbours? Looks at no more triangles: a hub has thousands. */
+static bool has_more(const ss_remesher *r, int32_t node)
+{
+    const int32_t first = r->corner[node];
+    int32_t at = first;
+    int count = 1;
+    while (r->mate[ss_last_side(at)] >= 0) {
+        at = r->mate[ss_last_side(at)];
+        if (at == first) {
+            return false;
+        }
+        if (++count > 3) {
+            return true;
+        }
+    }
+    for (at = first; r->mate[at] >= 0 && count <= 3; ++count) {
+        at = ss_next_side(r->mate[at]);
+    }
+    return count + 1 > 3;
+}
+
 /* May the start of this side go to its end? */
 static bool may_collapse(const ss_remesher *r, int32_t id, const ss_ring *from, const ss_ring *to)
 {
@@ -136,7 +160,7 @@ static bool may_collapse(const ss_remesher *r, int32_t id, const ss_ring *from, 
                                  (to_end && last == ss_third_of(r, to->side[k])));
         }
         if (n != b && last != b &&
-            (ss_remesh_turns_over(r, from->side[i], r->x[b]) ||
+            (ss_remesh_turns_over(r, from->side[i], r->x[b], sheared) ||
              ss_remesher_length(r, n, b) > SS_REMESH_TOO_LONG * r->edge ||
              ss_remesher_length(r, last, b) > SS_REMESH_TOO_LONG * r->edge)) {
             return false;
@@ -146,15 +170,7 @@ static bool may_collapse(const ss_remesher *r, int32_t id, const ss_ring *from, 
         return false;
     }
     /* What is left of the nodes across must still have three neighbours. */
-    for (int k = 0; k < 2; ++k) {
-        ss_ring across;
-        const int32_t at = k == 0 ? id : mate;
-        if (at >= 0 &&
-            (!ss_remesher_gather(r, ss_third_of(r, at), &across) || valence(&across) <= 3)) {
-            return false;
-        }
-    }
-    return true;
+    return has_more(r, ss_third_of(r, id)) && (mate < 0 || has_more(r, ss_third_of(r, mate)));
 }
 
 static void move_to_end(ss_remesher *r, int32_t id, const ss_ring *from)
@@ -265,13 +281,7 @@ static bool may_flip(const ss_remesher *r, int32_t id)
     }
     const int32_t node[4] = {ss_start_of(r, id), ss_end_of(r, id), ss_third_of(r, id),
                              ss_third_of(r, mate)};
-    ss_ring g[4];
-    bool is_good = node[2] != node[3];
-    for (int k = 0; k < 4 && is_good; ++k) {
-        is_good = !r->is_locked[node[k]] && ss_remesher_gather(r, node[k], &g[k]);
-    }
-    if (!is_good || valence(&g[0]) <= 3 || valence(&g[1]) <= 3 ||
-        are_neighbours(r, &g[2], node[3]) ||
+    if (node[2] == node[3] ||
         ss_remesher_length(r, node[2], node[3]) >
             fmax(SS_REMESH_TOO_LONG * r->edge, ss_remesher_length(r, node[0], node[1]))) {
         return false;
@@ -282,6 +292,7 @@ static bool may_flip(const ss_remesher *r, int32_t id)
     ss_normal3(normal[1], b, a, d);
     ss_normal3(normal[2], c, d, b);
     ss_normal3(normal[3], d, c, a);
+    bool is_good = true;
     for (int k = 0; k < 4; ++k) {
         is_good = ss_normalize3(normal[k]) > 0.0 && is_good;
     }
@@ -292,10 +303,18 @@ static bool may_flip(const ss_remesher *r, int32_t id)
         is_good && ss_dot3(normal[2], normal[3]) > fmin(flat, ss_dot3(normal[0], normal[1])) &&
         ss_dot3(normal[0], normal[2]) > most_turn && ss_dot3(normal[1], normal[2]) > most_turn &&
         ss_dot3(normal[0], normal[3]) > most_turn;
+    ss_ring g[4];
+    for (int k = 0; k < 4 && is_good; ++k) {
+        is_good = !r->is_locked[node[k]] && ss_remesher_gather(r, node[k], &g[k]);
+    }
+    if (!is_good || valence(&g[0]) <= 3 || valence(&g[1]) <= 3 ||
+        are_neighbours(r, &g[2], node[3])) {
+        return false;
+    }
     const int gain = excess(&g[0], 0) + excess(&g[1], 0) + excess(&g[2], 0) + excess(&g[3], 0) -
                      excess(&g[0], -1) - excess(&g[1], -1) - excess(&g[2], 1) - excess(&g[3], 1);
     const double sharp = SS_PI / 9.0; /* 20 degrees: shapes first, neighbours then */
-    return is_good && (before < sharp ? after > before : gain > 0 && after > sharp);
+    return before < sharp ? after > before : gain > 0 && after > sharp;
 }
 
 void ss_remesh_flip(ss_remesher *r, int32_t id)

@@ -176,19 +176,18 @@ static void note_feature(ss_ring *g, int32_t end)
 bool ss_remesher_gather(const ss_remesher *r, int32_t node, ss_ring *g)
 {
     int32_t first = r->corner[node];
+    bool is_whole = false;
     g->count = g->features = 0;
     g->is_open = false;
-    for (int k = 0; k < SS_REMESH_MAX_RING; ++k) {
+    for (int k = 0; k < SS_REMESH_MAX_RING && !is_whole; ++k) {
         if (r->mate[first] < 0) {
-            g->is_open = true;
-            break;
-        }
-        first = ss_next_side(r->mate[first]);
-        if (first == r->corner[node]) {
-            break;
+            g->is_open = is_whole = true;
+        } else {
+            first = ss_next_side(r->mate[first]);
+            is_whole = first == r->corner[node];
         }
     }
-    for (int32_t at = first; g->count < SS_REMESH_MAX_RING;) {
+    for (int32_t at = first; is_whole && g->count < SS_REMESH_MAX_RING;) {
         g->side[g->count++] = at;
         if (r->is_feature[at]) {
             note_feature(g, ss_end_of(r, at));

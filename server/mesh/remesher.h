@@ -70,8 +70,8 @@ static inline int32_t ss_third_of(const ss_remesher *r, int32_t id)
     return r->triangle[id / 3][(id % 3 + 2) % 3];
 }
 
-enum { SS_REMESH_MAX_RING = 1024 };
-/* What is around a node; one of more triangles keeps them. */
+enum { SS_REMESH_MAX_RING = 48 };
+/* What is around a node. That of more triangles is left until its neighbours have become fewer. */
 typedef struct ss_ring {
     int32_t side[SS_REMESH_MAX_RING]; /* that start at the node, in order; from its border where it
                                          has one */
@@ -83,9 +83,9 @@ typedef struct ss_ring {
 
 /* False where there are too many. */
 bool ss_remesher_gather(const ss_remesher *r, int32_t node, ss_ring *g);
-/* Would the triangle of this side be the other way up, much flatter or too short, with its start at
- * `x`? */
-bool ss_remesh_turns_over(const ss_remesher *r, int32_t side, const double x[3]);
+/* Would the triangle of this side be the other way up, flat (where it was flat already: less open
+ * than the share `as_flat` of what it was) or too short, with its start at `x`? */
+bool ss_remesh_turns_over(const ss_remesher *r, int32_t side, const double x[3], double as_flat);
 
 /* Puts a node into the middle of a side and its mate. */
 bool ss_remesh_divide(ss_remesher *r, int32_t id);

@@ -164,7 +164,7 @@ bool ss_mesh_is_size_usable(double diagonal)
     return diagonal >= SS_MESH_LEAST_SIZE && diagonal <= SS_MESH_GREATEST_SIZE;
 }
 
-softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_error *error)
+softsim_status ss_mesh_accept_shape(const ss_mesh *mesh, const char *name, softsim_error *error)
 {
     ss_mesh_report r;
     if (ss_mesh_check(mesh, &r) != SOFTSIM_OK) {
@@ -188,14 +188,18 @@ softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_err
         softsim_error_add(error, SOFTSIM_ERROR_MESH,
                           "%s: the surface is wound inside out: flip its normals", name);
     }
-    double diagonal[3];
-    ss_sub3(diagonal, r.box_max, r.box_min);
-    const double size = ss_norm3(diagonal);
-    if (is_usable && !ss_mesh_is_size_usable(size)) {
-        is_usable = false;
+    return is_usable ? SOFTSIM_OK : SOFTSIM_ERROR_MESH;
+}
+
+softsim_status ss_mesh_accept(const ss_mesh *mesh, const char *name, softsim_error *error)
+{
+    const softsim_status status = ss_mesh_accept_shape(mesh, name, error);
+    const double size = ss_mesh_diagonal(mesh);
+    if (status == SOFTSIM_OK && !ss_mesh_is_size_usable(size)) {
         softsim_error_add(error, SOFTSIM_ERROR_MESH,
                           "%s: %g m across: check its units and scale (%g to %g m are usable)",
                           name, size, SS_MESH_LEAST_SIZE, SS_MESH_GREATEST_SIZE);
+        return SOFTSIM_ERROR_MESH;
     }
-    return is_usable ? SOFTSIM_OK : SOFTSIM_ERROR_MESH;
+    return status;
 }

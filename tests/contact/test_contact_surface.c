@@ -227,27 +227,44 @@ TEST(refuses_what_it_cannot_sample)
     make_plane(5, 5, 0.01);
     add_triangle(triangles[0][0], triangles[0][1], 20);
     expect_refusal(0.01, 0, SOFTSIM_ERROR_MESH, "manifold");
-    make_fan(130);
+    make_fan(129);
     expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "node 0");
     begin_mesh();
     expect_refusal(1.0, 0, SOFTSIM_ERROR_MESH, "triangles");
 }
 
+/* What a plane's rows or a sphere's octahedron stands out by; *at is where. */
+static double rounding_of(int parts, double at[3])
+{
+    ss_surface *rounded = NULL;
+    assert_int_equal(ss_surface_create(&mesh, 0.05, parts, &rounded, NULL), SOFTSIM_OK);
+    const double most = ss_surface_rounding(rounded, at);
+    ss_surface_destroy(&rounded);
+    return most;
+}
+
 /* The octahedron's corner, by Loop's rules: n beta(4) = 31/64, middles of edges at 3/8, so that
- * level 1 has it at 33/64 and level 2 at (33/64)^2 + 31/64 3/8 of its height. */
+ * level 1 has it at 33/64 and level 2 at (33/64)^2 + 31/64 3/8 of its height. Of a plane nothing
+ * stands out, however uneven its rows are, and of a pit nothing but its rim. */
 TEST(corners_are_cut_off_by_what_the_rules_say)
 {
-    int32_t node = -1;
-    ss_surface *rounded = NULL;
+    double at[3];
     make_sphere(0, 0.05);
-    assert_int_equal(ss_surface_create(&mesh, 0.05, 0, &rounded, NULL), SOFTSIM_OK);
     const double height = 33.0 / 64.0 * 33.0 / 64.0 + 31.0 / 64.0 * 3.0 / 8.0;
-    assert_near(ss_surface_rounding(rounded, &node), 0.05 * (1.0 - height), 1e-8);
-    ss_surface_destroy(&rounded);
-    assert_int_equal(ss_surface_create(&mesh, 0.05, SS_SURFACE_CENTROIDS, &rounded, NULL),
-                     SOFTSIM_OK);
-    assert_near(ss_surface_rounding(rounded, &node), 0.0, 1e-9);
-    ss_surface_destroy(&rounded);
+    assert_near(rounding_of(0, at), 0.05 * (1.0 - height), 1e-8);
+    assert_near(ss_norm3(at), 0.05, 1e-8); /* a corner */
+    assert_near(rounding_of(SS_SURFACE_CENTROIDS, at), 0.0, 1e-9);
+    make_plane(7, 7, 0.01);
+    for (int32_t i = 0; i < mesh.node_count; ++i) {
+        mesh.position[i][0] *= 1.0 + 20.0 * mesh.position[i][0];
+    }
+    assert_near(rounding_of(2, at), 0.0, 1e-8);
+    const int32_t middle = mesh.node_count / 2;
+    mesh.position[middle][2] -= 0.01;
+    const double pit = rounding_of(2, at);
+    mesh.position[middle][2] += 0.02;
+    assert_true(rounding_of(2, at) > 2.0 * pit);
+    assert_near(at[2], mesh.position[middle][2], 1e-8);
 }
 
 TEST(picks_parts_by_radius_over_edge)

@@ -117,7 +117,7 @@ TEST(slivers_go_and_edges_are_even)
 TEST(fans_of_many_triangles_go)
 {
     const double half[3] = {1.0, 1.0, 1.0};
-    static const int slices[] = {60, 500};
+    static const int slices[] = {60, 500, 3000};
     for (int32_t i = 0; i < COUNT(slices); ++i) {
         ss_mesh *mesh = make_ellipsoid(12, slices[i], half);
         ss_mesh_remeshing done;

@@ -241,6 +241,9 @@ TEST(what_a_model_doubts_is_told)
     };
     char out[4096], command[512];
     write_inputs();
+    assert_int_equal(run(BIN_DIR "/softsimd --check scene.yaml", out, sizeof out), 1);
+    assert_non_null(strstr(out, ": object.mesh: what is felt is a smooth surface"));
+    run_tool("generate block --points 700 --tetrahedra --units m --out block.msh");
     assert_int_equal(
         run(BIN_DIR "/softsimd --check --set haptic.max_force_n=2 scene.yaml", out, sizeof out), 0);
     assert_non_null(strstr(out, "scene.yaml: good ("));

@@ -86,20 +86,14 @@ static void add_own_rows(findings *f)
             "divide them into tetrahedra, or triangles", true);
 }
 
-/* As softsim-mesh scene and object.repair do; whether its size is one that a scene takes has a row
- * of its own, since the unit may not be known here. */
+/* As softsim-mesh scene and object.repair do; its size has a row of its own. */
 static bool try_repair(const char *path, const ss_mesh *mesh)
 {
-    static const double still[3] = {0.0, 0.0, 0.0};
     ss_mesh *mended = NULL;
     ss_mesh_repairs done;
     ss_progress_stage("trying to mend it");
-    bool is_good =
-        ss_mesh_repair(mesh, &mended, &done, NULL) == SOFTSIM_OK && ss_mesh_diagonal(mended) > 0.0;
-    if (is_good) {
-        ss_mesh_transform(mended, 1.0 / ss_mesh_diagonal(mended), still, still);
-        is_good = ss_mesh_accept(mended, path, NULL) == SOFTSIM_OK;
-    }
+    const bool is_good = ss_mesh_repair(mesh, &mended, &done, NULL) == SOFTSIM_OK &&
+                         ss_mesh_accept_shape(mended, path, NULL) == SOFTSIM_OK;
     ss_mesh_destroy(&mended);
     return is_good;
 }

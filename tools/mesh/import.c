@@ -67,7 +67,8 @@ static rlim_t memory_limit(void)
 
 static void set_limits(void)
 {
-    const struct rlimit bytes = {memory_limit(), memory_limit()};
+    const rlim_t limit = memory_limit();
+    const struct rlimit bytes = {limit, limit};
     /* The sanitizers reserve terabytes of address space. */
     if (!IS_SANITIZED) {
         (void)setrlimit(RLIMIT_AS, &bytes);

@@ -13,12 +13,14 @@
 #include "tissue.h"
 #include "trial.h"
 
+/* In the order of --for. */
+enum { ORGAN_FOR_FEEL, ORGAN_FOR_ACCURACY, ORGAN_FOR_SPEED };
+
 /* What the user asked for. */
-typedef enum organ_purpose { FOR_FEEL, FOR_ACCURACY, FOR_SPEED } organ_purpose;
 typedef struct organ_request {
     const char *mesh, *tissue_name, *out, *fixed, *model, *preview;
-    int32_t units, purpose, side;
-    double tool_mm; /* 0: by the body's size */
+    int32_t units, purpose, side; /* -1: units were not given */
+    double tool_mm;               /* 0: by the body's size */
     bool lists_tissues;
 } organ_request;
 
@@ -33,7 +35,8 @@ typedef struct organ {
     bool is_repaired;
     double low[3], high[3], diagonal, edge; /* of the surface: box, diagonal, mean edge */
     double volume, area;
-    bool is_closed, has_volume;
+    bool is_closed, has_volume, is_second_order;
+    bool is_fanned; /* the contact surface refuses a node for its many triangles */
     int64_t open_edges, crossing_count;
     bool is_crossing_complete; /* every pair was looked at */
     int32_t part_count;
@@ -45,7 +48,7 @@ typedef struct organ {
 
     double towards[3]; /* the side that the hand comes from */
     const char *side, *axes;
-    char fixed[512];     /* an entry of object.fixed; "": none */
+    char fixed[2048];    /* the entries of object.fixed, a line each; "": none */
     double radius;       /* of the tool */
     double usual_radius; /* that the body's size alone would ask for */
     double depth;        /* at which the force is read */
@@ -53,10 +56,14 @@ typedef struct organ {
     double hand_scale;   /* world metres a metre of that hand */
     double working_force, max_force;
 
+    int32_t unheld_count; /* parts that the side away from the hand has nothing of: held by boxes */
+
     /* of the scene, once it is loaded */
+    bool is_rounded; /* its corners are not where they are felt */
     int32_t node_count, tetrahedron_count, fixed_count;
     double stable_step_s, step_s, step_cost_us;
     ss_touch touch;
+    double touch_gap; /* m: so much below the mesh what is felt begins there */
     trial_result trial;
 } organ;
 

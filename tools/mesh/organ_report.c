@@ -14,6 +14,7 @@
 
 static const double SOFT = 0.5, HARD = 1.6; /* times Hertz's: told beyond */
 static const double UNEVEN = 0.8;           /* of the edges that a press needs */
+static const double MOST_TRIANGLES = 2e4;   /* more are not felt in time by any model */
 
 double organ_round(double x)
 {
@@ -28,10 +29,10 @@ double organ_ratio(const organ *o)
     return hertz > 0.0 ? o->trial.held.force / hertz : 0.0;
 }
 
-/* Of inner tetrahedra, of e^3 / 8.5 each: 1500 of second order are felt at 1 kHz. */
+/* Of tetrahedra, of e^3 / 8.5 each: 1000 of second order are felt at 1 kHz. */
 static double filling_edge_mm(const organ *o)
 {
-    return organ_round(1e3 * cbrt(8.5 * o->volume / 1500.0));
+    return organ_round(1e3 * cbrt(8.5 * o->volume / 1000.0));
 }
 
 static bool is_coarse(const organ *o)
@@ -50,21 +51,130 @@ static double even_edge(const organ_request *q, const organ *o)
     return (q->tool_mm > 0.0 ? o->radius : o->usual_radius) / ORGAN_RADIUS_PER_EDGE;
 }
 
-/* Would remeshing help? Of what crosses itself, and of volumes, it is for another program. */
+/* Would a mesh of even edges help? What crosses itself is for another program. */
 static bool helps_to_even(const organ_request *q, const organ *o)
 {
-    return !o->has_volume && o->crossing_count == 0 &&
-           (is_coarse(o) || (is_slow(o) && o->edge < UNEVEN * even_edge(q, o)));
+    const double edge = even_edge(q, o);
+    return o->crossing_count == 0 && o->area < MOST_TRIANGLES * 0.433 * edge * edge &&
+           (is_coarse(o) || o->is_rounded || o->is_fanned ||
+            (!o->has_volume && is_slow(o) && o->edge < UNEVEN * edge));
 }
 
-/* The commands that come before a scene of an even surface, ending with its name. */
-static void write_evening(FILE *out, const organ_request *q, const organ *o)
+/* A file beside where the user works, named after the mesh: `liver-even.obj`. */
+static void write_name(FILE *out, const organ_request *q, const char *end)
+{
+    const char *slash = strrchr(q->mesh, '/'), *name = slash != NULL ? slash + 1 : q->mesh;
+    const char *dot = strrchr(name, '.');
+    const int length = dot != NULL && dot > name ? (int)(dot - name) : (int)strlen(name);
+    ss_plain_print(out, "%.*s-%s", length, name, end);
+}
+
+static void write_mended_name(FILE *out, const organ_request *q, const organ *o)
 {
     if (o->is_repaired) {
-        ss_plain_print(out, "softsim-mesh convert --repair %s MENDED.obj; ", q->mesh);
+        write_name(out, q, "mended.obj");
+    } else {
+        ss_plain_print(out, "%s", q->mesh);
     }
-    ss_plain_print(out, "softsim-mesh remesh %s EVEN.obj --units %s --edge-mm %.2g",
-                   o->is_repaired ? "MENDED.obj" : q->mesh, o->unit, 1e3 * even_edge(q, o));
+}
+
+/* The commands that make a mesh of even edges, and the name of what they make. */
+static void write_evening(FILE *out, const organ_request *q, const organ *o)
+{
+    const char *edges = o->has_volume ? "surface.obj" : "mended.obj";
+    if (o->is_repaired || o->has_volume) {
+        ss_plain_print(out, "softsim-mesh convert %s%s ", o->is_repaired ? "--repair " : "",
+                       q->mesh);
+        write_name(out, q, edges);
+        ss_plain_print(out, "; ");
+    }
+    ss_plain_print(out, "softsim-mesh remesh ");
+    if (o->is_repaired || o->has_volume) {
+        write_name(out, q, edges);
+    } else {
+        ss_plain_print(out, "%s", q->mesh);
+    }
+    ss_plain_print(out, " ");
+    write_name(out, q, "even.obj");
+    ss_plain_print(out, " --units %s --edge-mm %.3g; ", o->unit,
+                   organ_round(1e3 * even_edge(q, o)));
+    if (o->has_volume) {
+        ss_plain_print(out, "softsim-mesh tetrahedralize ");
+        write_name(out, q, "even.obj");
+        ss_plain_print(out, " ");
+        write_name(out, q, "even.msh");
+        ss_plain_print(out, " --units %s --edge-mm %.3g; ", o->unit, filling_edge_mm(o));
+    }
+}
+
+/* The same scene of the mesh of even edges. */
+static void write_again(FILE *out, const organ_request *q, const organ *o)
+{
+    static const char *const purpose[] = {[ORGAN_FOR_ACCURACY] = " --for accuracy",
+                                          [ORGAN_FOR_SPEED] = " --for speed",
+                                          [ORGAN_FOR_FEEL] = ""};
+    ss_plain_print(out, "softsim-mesh scene ");
+    write_name(out, q, o->has_volume ? "even.msh" : "even.obj");
+    ss_plain_print(out, " --tissue %s --units %s%s", q->tissue_name, o->unit, purpose[q->purpose]);
+    if (q->model != NULL) {
+        ss_plain_print(out, " --model %s", q->model);
+    }
+    if (strcmp(q->fixed, "away") != 0) {
+        ss_plain_print(out, " --fixed '%s'", q->fixed);
+    }
+    if (strcmp(o->axes, "x,y,z") != 0) {
+        ss_plain_print(out, " --from %s", o->side);
+    }
+    if (q->tool_mm > 0.0) {
+        ss_plain_print(out, " --tool-mm %g", q->tool_mm);
+    }
+    ss_plain_print(out, " --out %s", q->out);
+}
+
+/* As an argument of an error, which is to be freed. */
+static char *text_of(void (*write)(FILE *, const organ_request *, const organ *),
+                     const organ_request *q, const organ *o)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+    if (stream != NULL) {
+        write(stream, q, o);
+        if (fclose(stream) != 0) {
+            free(text);
+            text = NULL;
+        }
+    }
+    return text;
+}
+
+/* The commands that fill a surface, whose own edges are made as long as those inside: tetrahedra
+ * at shorter ones are many and small. */
+static void write_filling(FILE *out, const organ_request *q, const organ *o)
+{
+    const double edge_mm = filling_edge_mm(o);
+    const bool is_finer = 1e3 * o->edge < UNEVEN * edge_mm;
+    if (o->is_repaired) {
+        ss_plain_print(out, "softsim-mesh convert --repair %s ", q->mesh);
+        write_mended_name(out, q, o);
+        ss_plain_print(out, "; ");
+    }
+    if (is_finer) {
+        ss_plain_print(out, "softsim-mesh remesh ");
+        write_mended_name(out, q, o);
+        ss_plain_print(out, " ");
+        write_name(out, q, "coarse.obj");
+        ss_plain_print(out, " --units %s --edge-mm %.3g; ", o->unit, edge_mm);
+    }
+    ss_plain_print(out, "softsim-mesh tetrahedralize ");
+    if (is_finer) {
+        write_name(out, q, "coarse.obj");
+    } else {
+        write_mended_name(out, q, o);
+    }
+    ss_plain_print(out, " ");
+    write_name(out, q, "filled.msh");
+    ss_plain_print(out, " --units %s --edge-mm %.3g", o->unit, edge_mm);
 }
 
 /* ---- before a scene is written ---- */
@@ -81,40 +191,38 @@ softsim_status organ_refuse_surface(const organ_request *q, const organ *o, soft
                           option, value, q->mesh);
         return SOFTSIM_ERROR_ARGUMENT;
     }
-    char mending[512] = "";
-    if (o->is_repaired) {
-        (void)snprintf(mending, sizeof mending, "softsim-mesh convert --repair %.400s MENDED.obj, ",
-                       q->mesh);
-    }
+    char *filling = text_of(write_filling, q, o);
     softsim_error_add(
         error, SOFTSIM_ERROR_ARGUMENT,
-        "%s %s needs tetrahedra, and %s is a surface%s: %ssoftsim-mesh tetrahedralize %s "
-        "VOLUME.msh --units %s --edge-mm %.3g, then softsim-mesh scene VOLUME.msh ...; or --for "
-        "feel --model cnn-energy",
+        "%s %s needs tetrahedra, and %s is a surface%s: %s, then a scene of what that "
+        "makes; or --for feel --model cnn-energy",
         option, value, q->mesh, o->is_closed ? "" : " with holes, which are to be closed first",
-        mending, o->is_repaired ? "MENDED.obj" : q->mesh, o->unit, filling_edge_mm(o));
+        filling != NULL ? filling : "softsim-mesh tetrahedralize");
+    free(filling);
     return SOFTSIM_ERROR_ARGUMENT;
+}
+
+static void write_even_scene(FILE *out, const organ_request *q, const organ *o)
+{
+    write_evening(out, q, o);
+    write_again(out, q, o);
 }
 
 void organ_advise(const organ_request *q, const organ *o, softsim_error *error)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *stream = helps_to_even(q, o) ? open_memstream(&text, &size) : NULL;
-    if (stream != NULL) {
-        write_evening(stream, q, o);
-        if (fclose(stream) == 0) {
-            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                              "%s: its edges, %.3g mm, are long for a hand's tool: %s, then a "
-                              "scene of EVEN.obj",
-                              q->mesh, 1e3 * o->edge, text);
-        }
+    char *text = (is_coarse(o) || o->is_fanned) && helps_to_even(q, o)
+                     ? text_of(write_even_scene, q, o)
+                     : NULL;
+    if (text != NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "%s: its edges, %.3g mm in the mean, do not suit a hand's tool: %s",
+                          q->mesh, 1e3 * o->edge, text);
     }
     free(text);
-    if (o->part_count > 1) {
+    if (o->part_count > 1 && strcmp(q->fixed, "away") != 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "%s: it has %d separate parts, and each is to be held: join them, leave "
-                          "out what is not to be felt, or give --fixed an entry that reaches all",
+                          "%s: of its %d separate parts each is to be held: leave --fixed out, "
+                          "join them, or give an entry that reaches each",
                           q->mesh, o->part_count);
     }
 }
@@ -140,8 +248,10 @@ static void warn_of_mesh(const organ_request *q, const organ *o)
     if (o->part_count > 1) {
         ss_plain_print(stderr,
                        "softsim-mesh: warning: %s: %s has %d separate parts: forces do not pass "
-                       "between them; join them if they should be one\n",
-                       q->out, q->mesh, o->part_count);
+                       "between them%s; join them if they should be one\n",
+                       q->out, q->mesh, o->part_count,
+                       o->unheld_count > 0 ? ", and each is held at its side away from the hand"
+                                           : "");
     }
     if (!o->is_closed && !o->has_volume) {
         ss_plain_print(stderr,
@@ -194,8 +304,9 @@ static void warn_of_press(const organ_request *q, const organ *o)
             "softsim-mesh: warning: %s: slower than real time, or hardly faster: a step of %.3g ms "
             "is planned with %.3g ms of a core and took %.3g ms: a server makes longer steps of "
             "it, or falls behind, and forces come out higher than here; take a coarser or more "
-            "even mesh, or --for speed\n",
-            q->out, 1e3 * o->step_s, 1e-3 * o->step_cost_us, 1e-3 * t->step_us);
+            "even mesh%s\n",
+            q->out, 1e3 * o->step_s, 1e-3 * o->step_cost_us, 1e-3 * t->step_us,
+            q->purpose == ORGAN_FOR_SPEED ? "" : ", or --for speed");
     }
 }
 
@@ -216,23 +327,12 @@ static void tell_press(const organ *o)
                  is_slow(o) ? ": not in real time, or hardly" : "");
 }
 
-static void tell_filling(const organ_request *q, const organ *o)
-{
-    ss_plain_print(stdout, "  for models with physical constants, fill it: ");
-    if (o->is_repaired) {
-        ss_plain_print(stdout, "softsim-mesh convert --repair %s MENDED.obj, then ", q->mesh);
-    }
-    ss_plain_print(stdout, "softsim-mesh tetrahedralize %s VOLUME.msh --units %s --edge-mm %.3g\n",
-                   o->is_repaired ? "MENDED.obj" : q->mesh, o->unit, filling_edge_mm(o));
-}
-
 static void tell_next(const organ_request *q, const organ *o)
 {
     if (helps_to_even(q, o)) {
         ss_plain_print(stdout, "next: a mesh that suits the tool: ");
-        write_evening(stdout, q, o);
-        ss_plain_print(stdout, "; softsim-mesh scene EVEN.obj --tissue %s --units %s --out %s\n",
-                       q->tissue_name, o->unit, q->out);
+        write_even_scene(stdout, q, o);
+        ss_plain_print(stdout, "\n");
     }
     ss_plain_print(stdout,
                    "%s: softsimd %s, and in another terminal softsim-bridge --device sim "
@@ -265,9 +365,11 @@ void organ_report(const organ_request *q, const organ *o)
     if (q->model == NULL && o->passed_over[0] != '\0') {
         ss_plain_print(stdout, "  passed over: %s\n", o->passed_over);
     }
-    if (!o->has_volume && o->is_closed && o->crossing_count == 0 && q->purpose != FOR_SPEED &&
+    if (!o->has_volume && o->is_closed && o->crossing_count == 0 && q->purpose != ORGAN_FOR_SPEED &&
         q->model == NULL) {
-        tell_filling(q, o);
+        ss_plain_print(stdout, "  for models with physical constants, fill it: ");
+        write_filling(stdout, q, o);
+        ss_plain_print(stdout, "\n");
     }
     tell_next(q, o);
 }

@@ -91,6 +91,13 @@ softsim_status organ_choose_unit(organ *o, const char *path, int32_t given, ss_m
     if (given >= 0 && !is_organ(1e-3 * size_mm)) {
         doubt(o, longest, given, judged);
     }
+    if (given < 0 && other >= 0) {
+        (void)snprintf(o->unit_doubt, sizeof o->unit_doubt,
+                       "the mesh's unit was judged: in %s its longest side is %.4g mm; %s would do "
+                       "too, with %.4g mm: say which with --units",
+                       unit_name(unit), size_mm, unit_name(other),
+                       1e3 * longest * metres_per_unit(other));
+    }
     o->unit = unit_name(unit);
     ss_mesh_transform(mesh, metres_per_unit(unit), still, still);
     return SOFTSIM_OK;

@@ -86,7 +86,8 @@ static bool take_line(ply *p, const char *line)
         if (sscanf(line, "property list %31s %31s", counted, type) == 2) {
             q->count_bytes = bytes_of(counted);
             q->bytes = bytes_of(type);
-            return q->count_bytes > 0 && q->count_bytes <= 4 && q->bytes > 0;
+            return q->count_bytes > 0 && q->count_bytes <= 4 && strncmp(counted, "float", 5) != 0 &&
+                   q->bytes > 0;
         }
         q->bytes = sscanf(line, "property %31s", type) == 1 ? bytes_of(type) : 0;
         return q->bytes > 0;

@@ -23,6 +23,7 @@
 #include <unistd.h>
 
 #include "leftover.h"
+#include "mesh/topology.h"
 #include "organ.h"
 #include "output.h"
 #include "rt/files.h"
@@ -31,28 +32,30 @@
 #include "rt/progress.h"
 #include "rt/vec.h"
 
-enum { SCALINGS = 4, MAX_MODELS = 4 };
+enum { SCALINGS = 5, MAX_MODELS = 4, HELD_STEPS = 5, MAX_HELD_PARTS = 16 };
 static const double HELD_SHARE = 0.15;   /* of the body's height, away from the hand */
-static const double MOST_HELD = 0.4;     /* of it, where that is less than */
-static const double LEAST_HELD = 0.1;   /* of the nodes: a rounded body stands on a few */
+static const double HELD_MORE = 0.05;    /* of it, a step, while less is held than */
+static const double LEAST_HELD = 0.1;    /* of the surface's corners: rounded bodies stand on few */
 static const double TOOL_SHARE = 0.05;   /* its radius, of the body's diagonal */
 static const double FINGERTIP_M = 0.01;  /* and not larger, but for that */
 static const double LARGEST_TOOL = 0.12; /* the same, where edges are long */
 static const double HAND_DEPTH_M = 8e-3; /* what the simulated hand of softsim-bridge presses */
 static const double DEEPEST_SHARE = 0.3; /* of the body's height */
 static const double PLANNED_SHARE = 0.4; /* of a step's time: what is planned leaves out caches */
+static const double LATE = 0.1;          /* of the depth: a touch is then looked for anew */
 static const double CLOSE = 0.02;        /* a scaled force is this near to Hertz */
 static const double LOWERED = 0.75;    /* of the largest force, at a time, while a tool sinks in */
 static const double LEAST_LIMIT = 0.8; /* of the working force: it is not lowered below */
 
 /* What is tried, in this order. */
 static const char *const wanted[][MAX_MODELS] = {
-    [FOR_FEEL] = {"fem-quadratic", "fem", "cnn-energy", NULL},
-    [FOR_ACCURACY] = {"fem-quadratic", "fem", "corotational", "cnn-energy"},
-    [FOR_SPEED] = {"cnn-energy", "fem", NULL, NULL},
+    [ORGAN_FOR_FEEL] = {"fem-quadratic", "fem", "cnn-energy", NULL},
+    [ORGAN_FOR_ACCURACY] = {"fem-quadratic", "fem", "corotational", "cnn-energy"},
+    [ORGAN_FOR_SPEED] = {"cnn-energy", "fem", NULL, NULL},
 };
 /* Haptic periods of a step, at most: a hand feels less of what comes later. */
-static const int32_t slowest[] = {[FOR_FEEL] = 4, [FOR_ACCURACY] = 10, [FOR_SPEED] = 2};
+static const int32_t slowest[] = {
+    [ORGAN_FOR_FEEL] = 4, [ORGAN_FOR_ACCURACY] = 10, [ORGAN_FOR_SPEED] = 2};
 
 /* ---- arguments ---- */
 
@@ -122,6 +125,18 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
 
 /* ---- choices before the scene is loaded ---- */
 
+/* Are there nodes of more triangles than the contact surface takes? */
+static bool has_fans(const ss_mesh *mesh)
+{
+    int32_t *count = ss_memory_get((size_t)mesh->node_count, sizeof *count);
+    bool is_over = false;
+    for (int32_t i = 0; count != NULL && i < 3 * mesh->triangle_count; ++i) {
+        is_over = ++count[mesh->triangle[i / 3][i % 3]] > SS_MAX_VALENCE || is_over;
+    }
+    ss_memory_free(count);
+    return is_over;
+}
+
 static void measure(const ss_mesh *mesh, organ *o)
 {
     ss_mesh_report report;
@@ -142,6 +157,8 @@ static void measure(const ss_mesh *mesh, organ *o)
                                 (const int32_t(*)[3])mesh->triangle, mesh->triangle_count);
     o->is_closed = mesh->is_closed;
     o->has_volume = mesh->tetrahedron_count > 0;
+    o->is_second_order = mesh->middle != NULL;
+    o->is_fanned = has_fans(mesh);
 }
 
 static double height_of(const organ *o)
@@ -171,7 +188,8 @@ static void choose_tool(const organ_request *q, organ *o)
 /* A word that is neither a group nor an entry would be YAML of another meaning. */
 static softsim_status check_fixed(const organ_request *q, const organ *o, softsim_error *error)
 {
-    if (o->fixed[0] == '\0' || (o->fixed[0] == '{' && strchr(o->fixed, '\n') == NULL)) {
+    if (strcmp(q->fixed, "away") == 0 || o->fixed[0] == '\0' ||
+        (o->fixed[0] == '{' && strchr(o->fixed, '\n') == NULL)) {
         return SOFTSIM_OK;
     }
     softsim_error_add(
@@ -200,22 +218,93 @@ static void name_group(const char *name, char *out, size_t size)
     free(text);
 }
 
-/* How much of its height is held. */
+/* How far a node is from the side away from the hand. */
+static double above_far_side(const organ *o, const double x[3])
+{
+    double up[3];
+    ss_sub3(up, x, ss_dot3(o->towards, o->low) < ss_dot3(o->towards, o->high) ? o->low : o->high);
+    return ss_dot3(up, o->towards);
+}
+
+/* How much of the body's height is held. */
 static double held_share(const ss_mesh *mesh, const organ *o)
 {
     double share = HELD_SHARE;
-    for (int32_t held = 0; share < MOST_HELD; share += 0.05, held = 0) {
-        for (int32_t i = 0; i < mesh->node_count; ++i) {
-            double up[3];
-            ss_sub3(up, mesh->position[i],
-                    ss_dot3(o->towards, o->low) < ss_dot3(o->towards, o->high) ? o->low : o->high);
-            held += ss_dot3(up, o->towards) <= share * height_of(o);
+    for (int step = 0; step < HELD_STEPS; ++step, share += HELD_MORE) {
+        int64_t held = 0;
+        for (int32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+            const double *x = mesh->position[mesh->triangle[i / 3][i % 3]];
+            held += above_far_side(o, x) <= share * height_of(o);
         }
-        if (held >= LEAST_HELD * mesh->node_count) {
+        if ((double)held >= 3.0 * LEAST_HELD * mesh->triangle_count) {
             break;
         }
     }
     return share;
+}
+
+typedef struct part {
+    double low[3], high[3];
+    bool is_held;
+} part;
+
+/* Boxes of the parts, and whether the plane holds some of each; NULL when out of memory. */
+static part *measure_parts(const ss_mesh *mesh, const organ *o, double share, int32_t *parent)
+{
+    part *parts = ss_memory_get((size_t)mesh->node_count, sizeof *parts);
+    if (parts == NULL) {
+        return NULL;
+    }
+    ss_mesh_union_init(parent, mesh->node_count);
+    for (int32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+        ss_mesh_union_join(parent, mesh->triangle[i / 3][0], mesh->triangle[i / 3][i % 3]);
+    }
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        ss_set3(parts[i].low, INFINITY, INFINITY, INFINITY);
+        ss_set3(parts[i].high, -INFINITY, -INFINITY, -INFINITY);
+    }
+    for (int32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+        const double *x = mesh->position[mesh->triangle[i / 3][i % 3]];
+        part *own = &parts[ss_mesh_union_find(parent, mesh->triangle[i / 3][0])];
+        for (int k = 0; k < 3; ++k) {
+            own->low[k] = fmin(own->low[k], x[k]);
+            own->high[k] = fmax(own->high[k], x[k]);
+        }
+        own->is_held = own->is_held || above_far_side(o, x) <= share * height_of(o);
+    }
+    return parts;
+}
+
+/* Adds a box to what is held, that has the side of a part away from the hand. */
+static void hold_part(organ *o, const part *own)
+{
+    const size_t used = strlen(o->fixed);
+    double low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+        const double a = o->towards[k], height = HELD_SHARE * (own->high[k] - own->low[k]);
+        low[k] = a < 0.0 ? own->high[k] - height : own->low[k];
+        high[k] = a > 0.0 ? own->low[k] + height : own->high[k];
+    }
+    (void)snprintf(o->fixed + used, sizeof o->fixed - used,
+                   "\n    - {box_m: [[%.5f, %.5f, %.5f], [%.5f, %.5f, %.5f]]}", low[0] - 1e-5,
+                   low[1] - 1e-5, low[2] - 1e-5, high[0] + 1e-5, high[1] + 1e-5, high[2] + 1e-5);
+}
+
+/* Of parts that the plane holds nothing of, which would fly off, their own far side is held. */
+static void hold_parts(const ss_mesh *mesh, organ *o, double share)
+{
+    int32_t *parent = ss_memory_get((size_t)mesh->node_count, sizeof *parent);
+    part *parts =
+        parent != NULL && o->part_count > 1 ? measure_parts(mesh, o, share, parent) : NULL;
+    for (int32_t i = 0; parts != NULL && i < 3 * mesh->triangle_count; ++i) {
+        part *own = &parts[ss_mesh_union_find(parent, mesh->triangle[i / 3][0])];
+        if (!own->is_held && ++o->unheld_count <= MAX_HELD_PARTS) {
+            hold_part(o, own);
+        }
+        own->is_held = true;
+    }
+    ss_memory_free(parts);
+    ss_memory_free(parent);
 }
 
 static void choose_fixed(const organ_request *q, const ss_mesh *mesh, organ *o)
@@ -243,6 +332,17 @@ static void choose_fixed(const organ_request *q, const ss_mesh *mesh, organ *o)
     (void)snprintf(o->fixed, sizeof o->fixed,
                    "{plane: {point_m: [%.4f, %.4f, %.4f], normal: [%g, %g, %g]}}", point[0],
                    point[1], point[2], o->towards[0], o->towards[1], o->towards[2]);
+    hold_parts(mesh, o, share);
+}
+
+/* Is it a soup, whose triangles are apart? A repair then stitches parts. */
+static bool is_joined(const ss_mesh *mesh, const ss_mesh *mended)
+{
+    ss_mesh_report before, after;
+    return ss_mesh_check(mesh, &before) == SOFTSIM_OK &&
+           ss_mesh_check(mended, &after) == SOFTSIM_OK &&
+           after.component_count < before.component_count &&
+           after.open_edge.count < before.open_edge.count;
 }
 
 /* Loads the mesh as the scene will have it; mended where it has to be. */
@@ -250,17 +350,27 @@ static softsim_status load(const organ_request *q, organ *o, ss_mesh **out, soft
 {
     softsim_status status = ss_mesh_load(q->mesh, 1.0, NULL, out, error);
     softsim_error refused = {0};
-    if (status != SOFTSIM_OK || ss_mesh_accept(*out, q->mesh, &refused) == SOFTSIM_OK) {
+    if (status != SOFTSIM_OK) {
+        return status;
+    }
+    const bool is_taken = ss_mesh_accept_shape(*out, q->mesh, &refused) == SOFTSIM_OK;
+    if (is_taken && ((*out)->is_closed || (*out)->tetrahedron_count > 0)) {
         return status;
     }
     ss_mesh *mended = NULL;
     ss_mesh_repairs done;
     softsim_error still = {0};
+    ss_progress_stage("trying to mend %s", q->mesh);
     if (ss_mesh_repair(*out, &mended, &done, &still) == SOFTSIM_OK &&
-        ss_mesh_accept(mended, q->mesh, &still) == SOFTSIM_OK) {
+        ss_mesh_accept_shape(mended, q->mesh, &still) == SOFTSIM_OK &&
+        (!is_taken || is_joined(*out, mended))) {
         ss_mesh_destroy(out);
         *out = mended;
         o->is_repaired = true;
+        return SOFTSIM_OK;
+    }
+    if (is_taken) {
+        ss_mesh_destroy(&mended);
         return SOFTSIM_OK;
     }
     ss_mesh_destroy(&mended);
@@ -330,7 +440,7 @@ static void pass_on(const ss_output *output, const softsim_error *fault, softsim
 /* Of the tools: the largest force is lowered until they do not sink in. Of anything: told. */
 typedef struct doubts {
     const organ_request *q;
-    int32_t count, of_tools;
+    int32_t count, of_tools, of_mesh;
     bool is_told;
 } doubts;
 
@@ -339,6 +449,7 @@ static void take_doubt(void *sink, const ss_note *note)
     doubts *d = sink;
     ++d->count;
     d->of_tools += strcmp(note->where, "contact.tools") == 0;
+    d->of_mesh += strcmp(note->where, "object.mesh") == 0;
     if (d->is_told) {
         ss_plain_print(stderr, "softsim-mesh: warning: %s: %s: %s\n", d->q->out, note->where,
                        note->text);
@@ -368,6 +479,7 @@ static softsim_world *open_draft(ss_output *output, organ *o, softsim_error *err
     for (doubts d = {.of_tools = 1}; world != NULL && d.of_tools > 0;) {
         d = (doubts){0};
         ss_world_doubt(ss_world_of(world), &(const ss_notes){take_doubt, &d});
+        o->is_rounded = d.of_mesh > 0;
         if (d.of_tools == 0 || o->max_force < LEAST_LIMIT * o->working_force) {
             break;
         }
@@ -407,23 +519,31 @@ static softsim_status find_place(const organ_request *q, softsim_world *world, o
     const ss_touch_body body = body_of(world);
     const ss_touch_end end = {o->radius, 0.0, true};
     if (ss_touch_find(&body, o->towards, &end, &o->touch)) {
+        ss_madd3(o->touch.origin, o->touch.origin, -o->touch_gap, o->towards);
         return SOFTSIM_OK;
     }
     softsim_error_add(
         error, SOFTSIM_ERROR_ARGUMENT,
         "%s: from %s the hand finds nothing to press that is free and level; come from "
-        "another side with --from, or hold less with --fixed",
-        q->mesh, o->side);
+        "another side with --from, or hold less with --fixed%s",
+        q->mesh, o->side,
+        o->is_closed ? "" : "; a sheet is felt from the side that its triangles face");
     return SOFTSIM_ERROR_ARGUMENT;
 }
 
-/* Presses to `deepest`. */
-static void press(softsim_world *world, organ *o, double deepest)
+/* Presses to `deepest`. True: the tool touched late, where corners are cut off, and the place is
+ * lower now: press once more, in a world of its own. */
+static bool press(softsim_world *world, organ *o, double deepest)
 {
     trial_press p = {.depth = o->depth, .deepest = deepest};
     ss_copy3(p.origin, o->touch.origin);
     ss_copy3(p.towards, o->towards);
     trial_run(world, &p, &o->trial);
+    const bool is_late = o->trial.has_touched && o->trial.late > LATE * o->depth;
+    if (is_late) {
+        o->touch_gap += o->trial.late;
+    }
+    return is_late;
 }
 
 /* Scales the forces of a model without physical constants to Hertz'. */
@@ -438,10 +558,11 @@ static softsim_status scale_forces(const organ_request *q, ss_output *output, or
     for (int k = 0; k < SCALINGS && status == SOFTSIM_OK; ++k) {
         softsim_world *world = open_draft(output, o, error);
         status = world != NULL ? find_place(q, world, o, error) : SOFTSIM_ERROR_SCENE;
-        if (status == SOFTSIM_OK) {
-            press(world, o, o->depth);
-        }
+        const bool is_late = status == SOFTSIM_OK && press(world, o, o->depth);
         softsim_destroy(&world);
+        if (is_late) {
+            continue;
+        }
         const double ratio = organ_ratio(o);
         if (status != SOFTSIM_OK || !(ratio > 0.0) || fabs(ratio - 1.0) < CLOSE) {
             break;
@@ -457,6 +578,7 @@ static softsim_status try_model(const organ_request *q, ss_output *output, organ
                                 bool *out_is_good, softsim_error *error)
 {
     *out_is_good = false;
+    o->touch_gap = 0.0;
     ss_progress_stage("pressing %s as %s", q->mesh, o->model->name);
     softsim_status status = scale_forces(q, output, o, error);
     softsim_world *world = status == SOFTSIM_OK ? open_draft(output, o, error) : NULL;
@@ -468,7 +590,12 @@ static softsim_status try_model(const organ_request *q, ss_output *output, organ
     const bool is_in_time = o->step_cost_us <= PLANNED_SHARE * 1e6 * o->step_s &&
                             inner->step_ticks <= slowest[q->purpose];
     if (status == SOFTSIM_OK && (is_in_time || is_last)) {
-        press(world, o, o->deepest);
+        if (press(world, o, o->deepest)) {
+            softsim_destroy(&world);
+            world = open_draft(output, o, error);
+            status = world != NULL ? find_place(q, world, o, error) : SOFTSIM_ERROR_SCENE;
+            (void)(status == SOFTSIM_OK && press(world, o, o->deepest));
+        }
         *out_is_good = is_in_time && o->trial.has_touched &&
                        o->trial.verdict == SOFTSIM_VERDICT_GOOD &&
                        o->trial.step_us < o->trial.period_us;
@@ -504,7 +631,8 @@ static int next_model(const organ *o, const char *const name[], int at, int coun
 {
     for (; at < count; ++at) {
         const ss_model_class *model = name[at] != NULL ? ss_model_find(name[at]) : NULL;
-        if (model != NULL && (!model->needs_volume || o->has_volume)) {
+        if (model != NULL && (!model->needs_volume || o->has_volume) &&
+            (!o->is_second_order || model->takes_second_order)) {
             break;
         }
     }
@@ -533,8 +661,11 @@ static softsim_status choose_model(const organ_request *q, ss_output *output, or
         }
     }
     if (status == SOFTSIM_ERROR_UNSUPPORTED) {
-        softsim_error_add(error, status, "%s: no model that is built in takes it; --model NAME",
-                          q->mesh);
+        softsim_error_add(error, status, "%s: no model that is built in takes it: %s", q->mesh,
+                          o->is_second_order
+                              ? "of a mesh with mid-edge nodes, --model fem-quadratic, or "
+                                "softsim-mesh convert --order 1 IN OUT first"
+                              : "--model NAME");
     }
     return status;
 }
@@ -570,7 +701,7 @@ static softsim_status make(const organ_request *q, ss_mesh *mesh, ss_output *out
     o->mesh_name = name;
     measure(mesh, o);
     const bool needs_volume =
-        q->model != NULL ? ss_model_find(q->model)->needs_volume : q->purpose == FOR_ACCURACY;
+        q->model != NULL ? ss_model_find(q->model)->needs_volume : q->purpose == ORGAN_FOR_ACCURACY;
     if (needs_volume && !o->has_volume) {
         return organ_refuse_surface(q, o, error);
     }

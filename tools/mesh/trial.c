@@ -10,6 +10,8 @@
 
 /* N: a tool at rest that pushes less is drawn in. */
 static const double DRAWN_IN = -1e-3;
+static const double ASIDE = 0.4;  /* of the force: the surface slopes by 22 degrees */
+static const double HARDLY = 0.2; /* of the depth: less indentation is no press */
 /* s: of the parts of a press. */
 static const double COMES = 0.2, SETTLES = 0.3, DEEPENS = 0.2, STAYS = 0.1, LEAVES = 0.2;
 static const double READ = 0.05; /* s at the end of a hold in which force and depth are read */
@@ -42,12 +44,13 @@ typedef struct reading {
     int32_t count;
 } reading;
 
-static void take_reading(reading *r, double t, double depth, double indentation, double force)
+static void take_reading(reading *r, double t, const trial_hold *now)
 {
     if (t >= r->end - READ && t < r->end) {
-        r->sum.depth += depth;
-        r->sum.indentation += indentation;
-        r->sum.force += force;
+        r->sum.depth += now->depth;
+        r->sum.indentation += now->indentation;
+        r->sum.force += now->force;
+        r->sum.aside += now->aside;
         ++r->count;
     }
 }
@@ -55,7 +58,40 @@ static void take_reading(reading *r, double t, double depth, double indentation,
 static trial_hold mean_of(const reading *r)
 {
     const double n = r->count > 0 ? r->count : 1.0;
-    return (trial_hold){r->sum.depth / n, r->sum.indentation / n, r->sum.force / n};
+    return (trial_hold){r->sum.depth / n, r->sum.indentation / n, r->sum.force / n,
+                        r->sum.aside / n};
+}
+
+static void lower_verdict(trial_result *out, softsim_verdict verdict, const char *reason)
+{
+    if (out->verdict <= verdict) {
+        out->verdict = verdict;
+        (void)snprintf(out->reason, sizeof out->reason, "%s", reason);
+    }
+}
+
+/* What the server's own verdict cannot know: what the press was to be. */
+static void judge(const trial_press *press, trial_result *out)
+{
+    if (!out->has_touched) {
+        out->verdict = SOFTSIM_VERDICT_DEGRADED;
+        (void)snprintf(out->reason, sizeof out->reason,
+                       "the tool did not touch: come from another side with --from, or give "
+                       "another --tool-mm or --units");
+    } else if (out->held.indentation < HARDLY * press->depth) {
+        lower_verdict(out, SOFTSIM_VERDICT_DEGRADED,
+                      "the tool hardly touched: what is felt lies deeper than the mesh, or it "
+                      "slipped off; shorter edges, or another side with --from");
+    } else if (fmin(out->held.force, out->deepest.force) < DRAWN_IN) {
+        lower_verdict(out, SOFTSIM_VERDICT_GUARDED,
+                      "the force at rest draws the tool in: it slips over an edge or through a "
+                      "hole; close holes, or come from another side");
+    } else if (out->held.aside > ASIDE * out->held.force ||
+               out->deepest.aside > ASIDE * out->deepest.force) {
+        lower_verdict(out, SOFTSIM_VERDICT_GUARDED,
+                      "the surface slopes there and pushes the tool aside: a hand slides off and "
+                      "feels another force; come from another side with --from");
+    }
 }
 
 void trial_run(softsim_world *world, const trial_press *press, trial_result *out)
@@ -85,13 +121,19 @@ void trial_run(softsim_world *world, const trial_press *press, trial_result *out
         if (!out->has_touched && (force[0].flags & SOFTSIM_FORCE_CONTACT) != 0) {
             out->has_touched = true;
             touched = proxy;
+            out->late = ss_dot3(press->origin, press->towards) - proxy;
         }
         if (out->has_touched) {
-            const double indentation = touched - ss_dot3(pose.position, press->towards);
-            const double pressed = ss_dot3(force[0].model_force, press->towards);
+            const double *f = force[0].model_force;
+            const double pressed = ss_dot3(f, press->towards);
+            double across[3];
+            ss_madd3(across, f, -pressed, press->towards);
+            const trial_hold now = {touched - proxy,
+                                    touched - ss_dot3(pose.position, press->towards), pressed,
+                                    ss_norm3(across)};
             out->moving_force = t < COMES ? pressed : out->moving_force;
-            take_reading(&first, t, touched - proxy, indentation, pressed);
-            take_reading(&second, t, touched - proxy, indentation, pressed);
+            take_reading(&first, t, &now);
+            take_reading(&second, t, &now);
         }
     }
     softsim_read(world, &state);
@@ -100,18 +142,7 @@ void trial_run(softsim_world *world, const trial_press *press, trial_result *out
     out->deepest = mean_of(&second);
     out->verdict = state.worst_verdict;
     (void)snprintf(out->reason, sizeof out->reason, "%s", state.worst_reason);
-    if (!out->has_touched) {
-        out->verdict = SOFTSIM_VERDICT_DEGRADED;
-        (void)snprintf(out->reason, sizeof out->reason,
-                       "the tool did not touch: come from another side with --from, or give "
-                       "another --tool-mm or --units");
-    } else if (out->verdict <= SOFTSIM_VERDICT_GUARDED &&
-               fmin(out->held.force, out->deepest.force) < DRAWN_IN) {
-        out->verdict = SOFTSIM_VERDICT_GUARDED;
-        (void)snprintf(out->reason, sizeof out->reason,
-                       "the force at rest draws the tool in: it slips over an edge or through a "
-                       "hole; close holes, or come from another side");
-    }
+    judge(press, out);
     out->step_us = state.step_us[0];
     out->step_us_p99 = state.step_us[1];
     out->period_us = 1e6 * state.simulation_period_s;

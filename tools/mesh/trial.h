@@ -20,15 +20,18 @@ typedef struct trial_press {
 } trial_press;
 
 typedef struct trial_hold {
-    double depth, indentation, force; /* m, m, N: at rest */
+    double depth, indentation, force, aside; /* m, m, N, N across the press: at rest */
 } trial_hold;
 
 typedef struct trial_result {
     bool has_touched;
+    double late;              /* m: the tool touched so much below where it was said to */
     trial_hold held, deepest; /* the last: zeroes of a press that ends at its depth */
     /* N: as the tool came to where it was held, at so many m/s. What inertia and viscosity add. */
     double moving_force, speed;
-    softsim_verdict verdict; /* guarded also where a tool at rest is drawn in */
+    /* Guarded also where a tool at rest is drawn in or pushed aside, degraded where it hardly
+     * touches. */
+    softsim_verdict verdict;
     char reason[160];
     double step_us, step_us_p99, period_us; /* thread CPU of a step here, and what it may take */
 } trial_result;

@@ -439,9 +439,11 @@ softsim_status ss_cnn_plan_check(const ss_model_plan *plan, const ss_cnn_materia
     }
     if (status == SOFTSIM_OK && !*out_is_held &&
         (material->pretension > 0.0 || material->bulk > 0.0)) {
-        softsim_error_add(error, SOFTSIM_ERROR_SCENE,
-                          "cnn-energy: pretension_j and enclosed_bulk_pa need at least three fixed "
-                          "nodes that are not in a line: fix some, or set both to 0");
+        softsim_error_add(
+            error, SOFTSIM_ERROR_SCENE,
+            "cnn-energy: each separate part is to have three fixed nodes or more that "
+            "are not in a line (object.fixed), since pretension_j and "
+            "enclosed_bulk_pa pull on it; or set both to 0");
     }
     if (material->bulk > 0.0 && !plan->mesh->is_closed) {
         softsim_error_add(error, SOFTSIM_ERROR_SCENE,

@@ -445,8 +445,8 @@ void ss_body_explain(const ss_body *body, const ss_notes *out)
             "is not held falls");
     } else {
         ss_tools_warn_unheld(&body->tools, body->is_held, out);
-        ss_tools_warn_rounded(&body->tools, &body->plan, out);
     }
+    ss_tools_warn_rounded(&body->tools, &body->plan, out);
     if (!(body->own.mass_damping > 0.0)) {
         ss_note_left_out(out, "mass damping", "model.mass_damping_per_s=1e-30",
                          "mass_damping_per_s is 0");

@@ -126,15 +126,18 @@ void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *pla
 
 void ss_tools_warn_rounded(const ss_tools *tools, const ss_model_plan *plan, const ss_notes *out)
 {
-    int32_t node = 0;
-    const double rounding = tools->surface ? ss_surface_rounding(tools->surface, &node) : 0.0;
-    if (rounding > TOLD_ROUNDING * ss_plan_smallest_tool(plan)) {
+    double at[3];
+    const double rounding = tools->surface ? ss_surface_rounding(tools->surface, at) : 0.0;
+    const double radius = ss_plan_smallest_tool(plan);
+    if (rounding > TOLD_ROUNDING * radius) {
         ss_note_warning(out, "object.mesh",
                         "what is felt is a smooth surface through the mesh, which cuts its corners "
-                        "off by up to %.3g mm (node %d): a tool of %.3g mm goes in so far there "
-                        "before it is felt; make edges shorter: softsim-mesh remesh IN OUT "
-                        "--edge-mm N (of a volume: its surface, and fill that again)",
-                        1e3 * rounding, node, 1e3 * ss_plan_smallest_tool(plan));
+                        "off by up to %.3g mm (at %.4f, %.4f, %.4f m): a tool of %.3g mm radius "
+                        "goes in so far there before it is felt; edges are to be shorter there, "
+                        "about %.2g of what they are (softsim-mesh remesh; of a volume: its "
+                        "surface, and fill that again)",
+                        1e3 * rounding, at[0], at[1], at[2], 1e3 * radius,
+                        TOLD_ROUNDING * radius / rounding);
     }
 }
 

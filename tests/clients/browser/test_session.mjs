@@ -166,9 +166,8 @@ await page.screenshot({ path: `${pictures}/no-mesh.png` });
 
 // What is drawn anew leaves nothing of the old behind on the graphics card.
 const memory = async () => {
-  do { // what is not drawn yet is not there yet, and a page that was held up draws late
-    await drawnAnew(page);
-  } while (await page.evaluate(() => softsim.view.renderer.info.memory.geometries) === 0);
+  await until(page, () => softsim.view.renderer.info.memory.geometries > 0); // a page that was held up draws late
+  await drawnAnew(page);
   return page.evaluate(() => ({ ...softsim.view.renderer.info.memory }));
 };
 await kill(server);
