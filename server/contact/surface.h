@@ -14,10 +14,10 @@
 #include "contact/contact.h"
 
 enum {
-    SS_GRID_POINTS = 15,  /* level-2 points of a triangle */
-    SS_GRID_ROW = 16,     /* the same, padded: 64 bytes of float */
-    SS_GRID_FACETS = 16,  /* level-2 facets of a triangle */
-    SS_MAX_PARTS = 4,     /* splits of a facet's edge: 256 samples a triangle at most */
+    SS_GRID_POINTS = 15, /* level-2 points of a triangle */
+    SS_GRID_ROW = 16,    /* the same, padded: 64 bytes of float */
+    SS_GRID_FACETS = 16, /* level-2 facets of a triangle */
+    SS_MAX_PARTS = 4,    /* splits of a facet's edge: 256 samples a triangle at most */
     SS_MAX_CONTROLS = 3 + 3 * SS_MAX_VALENCE,
     SS_TREE_LEAF = 8,  /* triangles of a leaf at most */
     SS_TREE_STACK = 64 /* deeper than any tree over 2^31 triangles */

@@ -3,8 +3,8 @@
 #pragma once
 /*
  * What softsim-mesh scene has decided, and the parts that it is made by: organ_unit.c chooses the
- * unit, organ_text.c writes it as a scene, organ_picture.c draws it, organ_report.c says how it
- * is felt, scene.c decides the rest. SI, world frame.
+ * unit, organ_held.c what is held, organ_text.c writes it as a scene, organ_picture.c draws it,
+ * organ_report.c says how it is felt, scene.c decides the rest. SI, world frame.
  */
 #include <stdio.h>
 
@@ -71,6 +71,12 @@ typedef struct organ {
  * become metres. */
 softsim_status organ_choose_unit(organ *o, const char *path, int32_t given, ss_mesh *mesh,
                                  softsim_error *error);
+
+/* From the side away from the hand to its own. */
+double organ_height(const organ *o);
+/* What is held, into o->fixed; an error: it was asked for in words of no meaning. */
+softsim_status organ_choose_fixed(const organ_request *q, const ss_mesh *mesh, organ *o,
+                                  softsim_error *error);
 
 /* To two digits. */
 double organ_round(double x);

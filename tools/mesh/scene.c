@@ -23,7 +23,6 @@
 #include <unistd.h>
 
 #include "leftover.h"
-#include "mesh/topology.h"
 #include "organ.h"
 #include "output.h"
 #include "rt/files.h"
@@ -32,10 +31,7 @@
 #include "rt/progress.h"
 #include "rt/vec.h"
 
-enum { SCALINGS = 5, MAX_MODELS = 4, HELD_STEPS = 5, MAX_HELD_PARTS = 16 };
-static const double HELD_SHARE = 0.15;   /* of the body's height, away from the hand */
-static const double HELD_MORE = 0.05;    /* of it, a step, while less is held than */
-static const double LEAST_HELD = 0.1;    /* of the surface's corners: rounded bodies stand on few */
+enum { SCALINGS = 5, MAX_MODELS = 4 };
 static const double TOOL_SHARE = 0.05;   /* its radius, of the body's diagonal */
 static const double FINGERTIP_M = 0.01;  /* and not larger, but for that */
 static const double LARGEST_TOOL = 0.12; /* the same, where edges are long */
@@ -137,6 +133,16 @@ static bool has_fans(const ss_mesh *mesh)
     return is_over;
 }
 
+/* Cavities are of the body around them. */
+static int32_t count_bodies(const ss_mesh *mesh, int32_t component_count)
+{
+    int32_t *body = ss_memory_get((size_t)mesh->node_count, sizeof *body);
+    const int32_t count =
+        body != NULL && mesh->is_closed ? ss_mesh_find_bodies(mesh, body) : component_count;
+    ss_memory_free(body);
+    return count > 0 ? count : component_count;
+}
+
 static void measure(const ss_mesh *mesh, organ *o)
 {
     ss_mesh_report report;
@@ -146,7 +152,7 @@ static void measure(const ss_mesh *mesh, organ *o)
         o->volume = fabs(report.volume);
         o->area = report.area;
         o->open_edges = report.open_edge.count;
-        o->part_count = report.component_count;
+        o->part_count = count_bodies(mesh, report.component_count);
     }
     ss_mesh_fault crossing;
     ss_progress_stage("looking for triangles that cross others, of %d", mesh->triangle_count);
@@ -161,13 +167,6 @@ static void measure(const ss_mesh *mesh, organ *o)
     o->is_fanned = has_fans(mesh);
 }
 
-static double height_of(const organ *o)
-{
-    double way[3];
-    ss_sub3(way, o->high, o->low);
-    return fabs(ss_dot3(way, o->towards));
-}
-
 static void choose_tool(const organ_request *q, organ *o)
 {
     o->usual_radius = fmin(TOOL_SHARE * o->diagonal, FINGERTIP_M);
@@ -175,7 +174,7 @@ static void choose_tool(const organ_request *q, organ *o)
                     ? 1e-3 * q->tool_mm
                     : organ_round(fmin(fmax(o->usual_radius, ORGAN_RADIUS_PER_EDGE * o->edge),
                                        LARGEST_TOOL * o->diagonal));
-    const double most = DEEPEST_SHARE * height_of(o);
+    const double most = DEEPEST_SHARE * organ_height(o);
     o->hand_scale = HAND_DEPTH_M > most ? organ_round(most / HAND_DEPTH_M) : 1.0;
     o->deepest = o->hand_scale * HAND_DEPTH_M;
     o->depth = fmin(0.5 * o->radius, 0.6 * o->deepest);
@@ -183,156 +182,6 @@ static void choose_tool(const organ_request *q, organ *o)
         trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, o->deepest);
     o->working_force = organ_round(fmin(fmax(force, 0.05), 4.0));
     o->max_force = organ_round(fmin(fmax(2.5 * force, 0.5), 8.0));
-}
-
-/* A word that is neither a group nor an entry would be YAML of another meaning. */
-static softsim_status check_fixed(const organ_request *q, const organ *o, softsim_error *error)
-{
-    if (strcmp(q->fixed, "away") == 0 || o->fixed[0] == '\0' ||
-        (o->fixed[0] == '{' && strchr(o->fixed, '\n') == NULL)) {
-        return SOFTSIM_OK;
-    }
-    softsim_error_add(
-        error, SOFTSIM_ERROR_ARGUMENT,
-        "--fixed: '%.60s' is no group of %s; give away, none, one of its groups "
-        "(softsim-mesh info lists them), or an entry such as '{box_m: [[-1, -1, -1], [1, "
-        "1, 0]]}'",
-        q->fixed, q->mesh);
-    return SOFTSIM_ERROR_ARGUMENT;
-}
-
-/* As an entry of `fixed`: names may hold anything that ends neither a file's line nor its quotes.
- */
-static void name_group(const char *name, char *out, size_t size)
-{
-    char *text = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
-    if (stream != NULL) {
-        (void)fprintf(stream, "{group: ");
-        organ_write_quoted(stream, name);
-        (void)fprintf(stream, "}");
-        (void)fclose(stream);
-    }
-    (void)snprintf(out, size, "%s", text != NULL ? text : "");
-    free(text);
-}
-
-/* How far a node is from the side away from the hand. */
-static double above_far_side(const organ *o, const double x[3])
-{
-    double up[3];
-    ss_sub3(up, x, ss_dot3(o->towards, o->low) < ss_dot3(o->towards, o->high) ? o->low : o->high);
-    return ss_dot3(up, o->towards);
-}
-
-/* How much of the body's height is held. */
-static double held_share(const ss_mesh *mesh, const organ *o)
-{
-    double share = HELD_SHARE;
-    for (int step = 0; step < HELD_STEPS; ++step, share += HELD_MORE) {
-        int64_t held = 0;
-        for (int32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
-            const double *x = mesh->position[mesh->triangle[i / 3][i % 3]];
-            held += above_far_side(o, x) <= share * height_of(o);
-        }
-        if ((double)held >= 3.0 * LEAST_HELD * mesh->triangle_count) {
-            break;
-        }
-    }
-    return share;
-}
-
-typedef struct part {
-    double low[3], high[3];
-    bool is_held;
-} part;
-
-/* Boxes of the parts, and whether the plane holds some of each; NULL when out of memory. */
-static part *measure_parts(const ss_mesh *mesh, const organ *o, double share, int32_t *parent)
-{
-    part *parts = ss_memory_get((size_t)mesh->node_count, sizeof *parts);
-    if (parts == NULL) {
-        return NULL;
-    }
-    ss_mesh_union_init(parent, mesh->node_count);
-    for (int32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
-        ss_mesh_union_join(parent, mesh->triangle[i / 3][0], mesh->triangle[i / 3][i % 3]);
-    }
-    for (int32_t i = 0; i < mesh->node_count; ++i) {
-        ss_set3(parts[i].low, INFINITY, INFINITY, INFINITY);
-        ss_set3(parts[i].high, -INFINITY, -INFINITY, -INFINITY);
-    }
-    for (int32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
-        const double *x = mesh->position[mesh->triangle[i / 3][i % 3]];
-        part *own = &parts[ss_mesh_union_find(parent, mesh->triangle[i / 3][0])];
-        for (int k = 0; k < 3; ++k) {
-            own->low[k] = fmin(own->low[k], x[k]);
-            own->high[k] = fmax(own->high[k], x[k]);
-        }
-        own->is_held = own->is_held || above_far_side(o, x) <= share * height_of(o);
-    }
-    return parts;
-}
-
-/* Adds a box to what is held, that has the side of a part away from the hand. */
-static void hold_part(organ *o, const part *own)
-{
-    const size_t used = strlen(o->fixed);
-    double low[3], high[3];
-    for (int k = 0; k < 3; ++k) {
-        const double a = o->towards[k], height = HELD_SHARE * (own->high[k] - own->low[k]);
-        low[k] = a < 0.0 ? own->high[k] - height : own->low[k];
-        high[k] = a > 0.0 ? own->low[k] + height : own->high[k];
-    }
-    (void)snprintf(o->fixed + used, sizeof o->fixed - used,
-                   "\n    - {box_m: [[%.5f, %.5f, %.5f], [%.5f, %.5f, %.5f]]}", low[0] - 1e-5,
-                   low[1] - 1e-5, low[2] - 1e-5, high[0] + 1e-5, high[1] + 1e-5, high[2] + 1e-5);
-}
-
-/* Of parts that the plane holds nothing of, which would fly off, their own far side is held. */
-static void hold_parts(const ss_mesh *mesh, organ *o, double share)
-{
-    int32_t *parent = ss_memory_get((size_t)mesh->node_count, sizeof *parent);
-    part *parts =
-        parent != NULL && o->part_count > 1 ? measure_parts(mesh, o, share, parent) : NULL;
-    for (int32_t i = 0; parts != NULL && i < 3 * mesh->triangle_count; ++i) {
-        part *own = &parts[ss_mesh_union_find(parent, mesh->triangle[i / 3][0])];
-        if (!own->is_held && ++o->unheld_count <= MAX_HELD_PARTS) {
-            hold_part(o, own);
-        }
-        own->is_held = true;
-    }
-    ss_memory_free(parts);
-    ss_memory_free(parent);
-}
-
-static void choose_fixed(const organ_request *q, const ss_mesh *mesh, organ *o)
-{
-    for (int32_t g = 0; g < mesh->group_count; ++g) {
-        if (strcmp(mesh->group[g].name, q->fixed) == 0) {
-            name_group(q->fixed, o->fixed, sizeof o->fixed);
-            return;
-        }
-    }
-    if (strcmp(q->fixed, "none") == 0) {
-        return;
-    }
-    if (strcmp(q->fixed, "away") != 0) {
-        (void)snprintf(o->fixed, sizeof o->fixed, "%s", q->fixed);
-        return;
-    }
-    double point[3];
-    const double share = held_share(mesh, o);
-    for (int k = 0; k < 3; ++k) {
-        const double a = o->towards[k];
-        point[k] =
-            0.5 * (o->low[k] + o->high[k]) - (0.5 - share) * a * fabs(a) * (o->high[k] - o->low[k]);
-    }
-    (void)snprintf(o->fixed, sizeof o->fixed,
-                   "{plane: {point_m: [%.4f, %.4f, %.4f], normal: [%g, %g, %g]}}", point[0],
-                   point[1], point[2], o->towards[0], o->towards[1], o->towards[2]);
-    hold_parts(mesh, o, share);
 }
 
 /* Is it a soup, whose triangles are apart? A repair then stitches parts. */
@@ -712,7 +561,7 @@ static softsim_status make(const organ_request *q, ss_mesh *mesh, ss_output *out
                           q->tool_mm, 1e3 * o->diagonal);
         return SOFTSIM_ERROR_ARGUMENT;
     }
-    if (!(height_of(o) > 0.0)) {
+    if (!(organ_height(o) > 0.0)) {
         softsim_error_add(
             error, SOFTSIM_ERROR_MESH,
             "%s: it is flat, seen from where the hand comes, and has no side away from "
@@ -722,8 +571,7 @@ static softsim_status make(const organ_request *q, ss_mesh *mesh, ss_output *out
         return SOFTSIM_ERROR_MESH;
     }
     choose_tool(q, o);
-    choose_fixed(q, mesh, o);
-    status = check_fixed(q, o, error);
+    status = organ_choose_fixed(q, mesh, o, error);
     status = status == SOFTSIM_OK ? leftover_open(output, q->out, error) : status;
     if (status == SOFTSIM_OK && (status = choose_model(q, output, o, error)) != SOFTSIM_OK) {
         organ_advise(q, o, error);

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * What of an organ does not move: what was asked for, or the side away from the hand: .15 of the
+ * body's height, and more where that has little of the surface; of separate parts that this has
+ * nothing of, their own far side, for they would fly off.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "organ.h"
+#include "rt/memory.h"
+#include "rt/vec.h"
+
+enum { HELD_STEPS = 5, MAX_HELD_PARTS = 16 };
+static const double HELD_SHARE = 0.15; /* of the body's height, away from the hand */
+static const double HELD_MORE = 0.05;  /* of it, a step, while less is held than */
+static const double LEAST_HELD = 0.1;  /* of the surface's corners: rounded bodies stand on few */
+
+double organ_height(const organ *o)
+{
+    double way[3];
+    ss_sub3(way, o->high, o->low);
+    return fabs(ss_dot3(way, o->towards));
+}
+
+/* A word that is neither a group nor an entry would be YAML of another meaning. */
+static softsim_status check(const organ_request *q, const organ *o, softsim_error *error)
+{
+    if (strcmp(q->fixed, "away") == 0 || o->fixed[0] == '\0' ||
+        (o->fixed[0] == '{' && strchr(o->fixed, '\n') == NULL)) {
+        return SOFTSIM_OK;
+    }
+    softsim_error_add(
+        error, SOFTSIM_ERROR_ARGUMENT,
+        "--fixed: '%.60s' is no group of %s; give away, none, one of its groups "
+        "(softsim-mesh info lists them), or an entry such as '{box_m: [[-1, -1, -1], [1, "
+        "1, 0]]}'",
+        q->fixed, q->mesh);
+    return SOFTSIM_ERROR_ARGUMENT;
+}
+
+/* As an entry of `fixed`: names may hold anything that ends neither a file's line nor its quotes.
+ */
+static void name_group(const char *name, char *out, size_t size)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
+    if (stream != NULL) {
+        (void)fprintf(stream, "{group: ");
+        organ_write_quoted(stream, name);
+        (void)fprintf(stream, "}");
+        (void)fclose(stream);
+    }
+    (void)snprintf(out, size, "%s", text != NULL ? text : "");
+    free(text);
+}
+
+/* How far a node is from the side away from the hand. */
+static double above_far_side(const organ *o, const double x[3])
+{
+    double up[3];
+    ss_sub3(up, x, ss_dot3(o->towards, o->low) < ss_dot3(o->towards, o->high) ? o->low : o->high);
+    return ss_dot3(up, o->towards);
+}
+
+/* How much of the body's height is held. */
+static double held_share(const ss_mesh *mesh, const organ *o)
+{
+    double share = HELD_SHARE;
+    for (int step = 0; step < HELD_STEPS; ++step, share += HELD_MORE) {
+        int64_t held = 0;
+        for (int32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+            const double *x = mesh->position[mesh->triangle[i / 3][i % 3]];
+            held += above_far_side(o, x) <= share * organ_height(o);
+        }
+        if ((double)held >= 3.0 * LEAST_HELD * mesh->triangle_count) {
+            break;
+        }
+    }
+    return share;
+}
+
+typedef struct part {
+    double low[3], high[3];
+    bool is_held;
+} part;
+
+/* Boxes of the bodies, and whether the plane holds some of each. */
+static void measure_parts(const ss_mesh *mesh, const organ *o, double share, const int32_t *body,
+                          part *parts)
+{
+    for (int32_t i = 0; i < o->part_count; ++i) {
+        ss_set3(parts[i].low, INFINITY, INFINITY, INFINITY);
+        ss_set3(parts[i].high, -INFINITY, -INFINITY, -INFINITY);
+    }
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        const double *x = mesh->position[i];
+        part *own = body[i] >= 0 ? &parts[body[i]] : NULL;
+        for (int k = 0; k < 3 && own != NULL; ++k) {
+            own->low[k] = fmin(own->low[k], x[k]);
+            own->high[k] = fmax(own->high[k], x[k]);
+        }
+        if (own != NULL) {
+            own->is_held = own->is_held || above_far_side(o, x) <= share * organ_height(o);
+        }
+    }
+}
+
+/* Adds a box to what is held, that has the side of a part away from the hand. */
+static void hold_part(organ *o, const part *own)
+{
+    const size_t used = strlen(o->fixed);
+    double low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+        const double a = o->towards[k], height = HELD_SHARE * (own->high[k] - own->low[k]);
+        low[k] = a < 0.0 ? own->high[k] - height : own->low[k];
+        high[k] = a > 0.0 ? own->low[k] + height : own->high[k];
+    }
+    (void)snprintf(o->fixed + used, sizeof o->fixed - used,
+                   "\n    - {box_m: [[%.5f, %.5f, %.5f], [%.5f, %.5f, %.5f]]}", low[0] - 1e-5,
+                   low[1] - 1e-5, low[2] - 1e-5, high[0] + 1e-5, high[1] + 1e-5, high[2] + 1e-5);
+}
+
+/* Of parts that the plane has nothing of, which would fly off, their own far side is held. */
+static void hold_parts(const ss_mesh *mesh, organ *o, double share)
+{
+    int32_t *body = ss_memory_get((size_t)mesh->node_count, sizeof *body);
+    part *parts = ss_memory_get((size_t)o->part_count + 1, sizeof *parts);
+    if (body != NULL && parts != NULL && ss_mesh_find_bodies(mesh, body) == o->part_count) {
+        measure_parts(mesh, o, share, body, parts);
+        for (int32_t i = 0; i < o->part_count; ++i) {
+            if (!parts[i].is_held && ++o->unheld_count <= MAX_HELD_PARTS) {
+                hold_part(o, &parts[i]);
+            }
+        }
+    }
+    ss_memory_free(parts);
+    ss_memory_free(body);
+}
+
+static void choose(const organ_request *q, const ss_mesh *mesh, organ *o)
+{
+    for (int32_t g = 0; g < mesh->group_count; ++g) {
+        if (strcmp(mesh->group[g].name, q->fixed) == 0) {
+            name_group(q->fixed, o->fixed, sizeof o->fixed);
+            return;
+        }
+    }
+    if (strcmp(q->fixed, "none") == 0) {
+        return;
+    }
+    if (strcmp(q->fixed, "away") != 0) {
+        (void)snprintf(o->fixed, sizeof o->fixed, "%s", q->fixed);
+        return;
+    }
+    double point[3];
+    const double share = held_share(mesh, o);
+    for (int k = 0; k < 3; ++k) {
+        const double a = o->towards[k];
+        point[k] =
+            0.5 * (o->low[k] + o->high[k]) - (0.5 - share) * a * fabs(a) * (o->high[k] - o->low[k]);
+    }
+    (void)snprintf(o->fixed, sizeof o->fixed,
+                   "{plane: {point_m: [%.4f, %.4f, %.4f], normal: [%g, %g, %g]}}", point[0],
+                   point[1], point[2], o->towards[0], o->towards[1], o->towards[2]);
+    hold_parts(mesh, o, share);
+}
+
+softsim_status organ_choose_fixed(const organ_request *q, const ss_mesh *mesh, organ *o,
+                                  softsim_error *error)
+{
+    choose(q, mesh, o);
+    return check(q, o, error);
+}
