@@ -293,10 +293,9 @@ static void warn_of_press(const organ_request *q, const organ *o)
 {
     const trial_result *t = &o->trial;
     if (t->verdict != SOFTSIM_VERDICT_GOOD) {
-        ss_plain_print(stderr,
-                       "softsim-mesh: warning: %s: the press is %s: %s; try another --model, "
-                       "or a mesh of another size\n",
-                       q->out, softsim_verdict_name(t->verdict), t->reason);
+        ss_plain_print(stderr, "softsim-mesh: warning: %s: the press is %s: %s%s\n", q->out,
+                       softsim_verdict_name(t->verdict), t->reason,
+                       t->is_of_place ? "" : "; try another --model, or a mesh of another size");
     }
     if (is_slow(o)) {
         ss_plain_print(

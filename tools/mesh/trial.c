@@ -66,6 +66,7 @@ static void lower_verdict(trial_result *out, softsim_verdict verdict, const char
 {
     if (out->verdict <= verdict) {
         out->verdict = verdict;
+        out->is_of_place = true;
         (void)snprintf(out->reason, sizeof out->reason, "%s", reason);
     }
 }

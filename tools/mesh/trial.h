@@ -32,6 +32,7 @@ typedef struct trial_result {
     /* Guarded also where a tool at rest is drawn in or pushed aside, degraded where it hardly
      * touches. */
     softsim_verdict verdict;
+    bool is_of_place; /* that it is not good: no other model would do better */
     char reason[160];
     double step_us, step_us_p99, period_us; /* thread CPU of a step here, and what it may take */
 } trial_result;
