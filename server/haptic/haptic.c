@@ -405,7 +405,7 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     ss_local_contact_force(local, out_force);
     double along[3], hand[3];
     ss_add3(hand, x, haptic->slip.aside);
-    ss_yield_take(&haptic->yield, hand, rest.p, balance.limit);
+    ss_yield_take(&haptic->yield, hand, &rest, out_force, balance.limit);
     ss_sub3(along, out_force, balance.other);
     ss_slip_take(&haptic->slip, &balance, &rest, along, haptic->yield.spring, config->period);
     ss_local_contact_clip_residual(local, haptic->slip.direction, ss_norm3(along));

@@ -321,8 +321,10 @@ void ss_yield_follow(ss_yield *yield, double wanted, bool is_in_contact, bool is
                      double period);
 /* dF/dx along unit `n` that the hand feels of tissue with this tensor. */
 double ss_yield_felt(const ss_yield *yield, double tissue[3][3], const double n[3]);
-/* Where a balance within `limit` (N) left the proxy, the hand's point being at `hand`. */
-void ss_yield_take(ss_yield *yield, const double hand[3], const double proxy[3], double limit);
+/* What a balance within `limit` (N) left, the hand's point being at `hand`. At the limit the spring
+ * is held by `force`, that on the hand: the rest of the way to the proxy is slip. */
+void ss_yield_take(ss_yield *yield, const double hand[3], const ss_rest *rest,
+                   const double force[3], double limit);
 
 /* ---- slip.c ---- */
 

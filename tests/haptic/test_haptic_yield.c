@@ -166,7 +166,7 @@ static double turn_energy(ss_yield *yield, double least, double most, double pha
         const double turn = (double)i / ticks;
         const double way = 0.5 * (least + most) - 0.5 * (most - least) * cos(6.283185307 * turn);
         const double softness = 0.5 + 0.5 * cos(6.283185307 * (turn - phase));
-        const double proxy[3] = {0.0, 0.0, way};
+        const ss_rest rest = {.p = {0.0, 0.0, way}, .stiffness_fraction = 1.0};
         const double force = yield->spring * (way - yield->rest[2]);
         *out_most = fmax(*out_most, 0.5 * force * force / yield->spring);
         if (i > 0) {
@@ -174,7 +174,8 @@ static double turn_energy(ss_yield *yield, double least, double most, double pha
                 0.5 * (least + most) - 0.5 * (most - least) * cos(6.283185307 * (i - 1.0) / ticks);
             energy -= 0.5 * (force + before) * (way - last);
         }
-        ss_yield_take(yield, hand, proxy, 100.0);
+        const double load[3] = {0.0, 0.0, force};
+        ss_yield_take(yield, hand, &rest, load, 100.0);
         ss_yield_follow(yield, 300.0 * pow(2.0, 1.0 - softness), true, false, T);
         before = yield->spring * (way - yield->rest[2]);
     }
