@@ -327,6 +327,7 @@ int ss_coupling_balance(const ss_balance *balance, ss_rest *out_rest)
     double d[3] = {0.0, 0.0, 0.0}, axis[3] = {0.0, 0.0, 0.0}, start[3], whole[3];
     const coupling_spring spring = {balance->spring, balance->spring, axis};
     int passes = solve_balance(balance, &spring, d, out_rest);
+    bool is_along_axis = true;
     out_rest->stiffness_fraction = 1.0;
     if (sum_forces(balance, out_rest, axis, whole) > balance->limit) {
         const ss_rest stiff = *out_rest;
@@ -340,12 +341,14 @@ int ss_coupling_balance(const ss_balance *balance, ss_rest *out_rest)
             *out_rest = stiff;
             ss_copy3(d, start);
             is_soft = soften(balance, axis, true, d, out_rest, &passes) || ss_norm3(d) < MAX_SLIP;
+            is_along_axis = false;
         }
         if (!is_soft) {
             *out_rest = stiff;
             ss_copy3(d, start);
         }
     }
+    out_rest->is_along_axis = is_along_axis;
     ss_add3(out_rest->p, balance->p_free, d);
     return passes;
 }

@@ -32,6 +32,11 @@
  * the direction of G alone: along that the proxy slips out. With f in it, a hand that turns round
  * would meet a proxy that lies on its other side by 2 mu times the slip.
  *
+ * Where what would stick is more than L_F whatever the proxy gives up along e, it slides: as what
+ * sticks with the proxy where it was along e, and with no more than L_F leaves room for
+ * (bisection). A spring that softens all ways, as for contacts across e (coupling.c), would let it
+ * go: the proxy was back where it had stuck, and the force turned by 45 degrees in a tick.
+ *
  * Rejected: an anchor for each contact (the contacts of one tool are parts of one touch, moved by
  * one proxy; eight cones have no potential, and no bound on the passes); friction from the
  * proxy's velocity (creeps); the model's own friction held until the next result (a hand that stops
@@ -53,7 +58,7 @@
 #define MERGED_MOST 4.0
 /* Of what is told along the surface: a round tool's rim leans in, and tells mu and 2 % more. */
 #define ALONG_SHARE 0.95
-enum { SLIDE_TRIES = 12 };
+enum { SLIDE_TRIES = 20 };
 
 static bool has_coefficient(const ss_local_contact *local)
 {
@@ -70,6 +75,7 @@ typedef struct friction_grip {
     double normal[3];       /* n, unit; 0 without any */
     double limit;           /* N, L: along the surface, */
     double lean;            /* L_n / L */
+    bool is_along_axis;     /* of the spring that the contacts alone soften */
 } friction_grip;
 
 /* N: Coulomb's, of contacts with `force`. */
@@ -232,6 +238,35 @@ static void push(const ss_balance *from, const double force[3], ss_balance *out)
     }
 }
 
+/* Does friction ask for more than the force limit, whatever the proxy gives up along the axis? */
+static bool is_beyond(const friction_grip *grip, const ss_rest *rest)
+{
+    return !rest->is_along_axis && grip->is_along_axis;
+}
+
+/* What would stick with the proxy where it was, at `p`, along the axis of `with`. */
+static void stick_beside(const double p[3], ss_balance *with, ss_rest *rest, double out_stuck[3])
+{
+    double way[3];
+    with->limit = INFINITY;
+    (void)ss_coupling_balance(with, rest);
+    ss_sub3(way, rest->p, p);
+    ss_madd3(way, rest->p, -ss_dot3(way, with->axis), with->axis);
+    ss_sub3(way, way, with->p_free);
+    ss_copy3(out_stuck, with->grasp_force);
+    pull_back(with->grasp_slope, way, out_stuck);
+}
+
+/* The balance `from` with what is left of `stuck` within the limit `now`. */
+static void try_limit(const friction_grip *grip, const ss_balance *from, const double stuck[3],
+                      double now, ss_balance *out, ss_rest *rest, double out_force[3])
+{
+    ss_copy3(out_force, stuck);
+    (void)cut(grip, fmin(now, from->limit), grip->lean * now, out_force);
+    push(from, out_force, out);
+    (void)ss_coupling_balance(out, rest);
+}
+
 /* Slides against `stuck`, from what would stick: held to that limit which is Coulomb's of its own
  * balance, from what it is without friction. */
 static void slide(const ss_local_contact *local, const friction_grip *grip, const ss_balance *from,
@@ -243,11 +278,8 @@ static void slide(const ss_local_contact *local, const friction_grip *grip, cons
     double above = high - first, now = fmin(first, high);
     int side = 0;
     for (int i = 0; i < SLIDE_TRIES; ++i) {
-        ss_copy3(out_force, stuck);
-        (void)cut(grip, fmin(now, from->limit), grip->lean * now, out_force);
-        push(from, out_force, out);
-        (void)ss_coupling_balance(out, rest);
-        const double over = now - coulomb(local, rest->force);
+        try_limit(grip, from, stuck, now, out, rest, out_force);
+        const double over = is_beyond(grip, rest) ? INFINITY : now - coulomb(local, rest->force);
         if (fabs(over) <= SLIDE_TOLERANCE * now || (now >= high && over <= 0.0)) {
             break;
         }
@@ -262,7 +294,14 @@ static void slide(const ss_local_contact *local, const friction_grip *grip, cons
             above *= side < 0 ? 0.5 : 1.0;
             side = -1;
         }
-        now = above > below ? (low * above - high * below) / (above - below) : low;
+        if (above < INFINITY) {
+            now = above > below ? (low * above - high * below) / (above - below) : low;
+        } else {
+            now = 0.5 * (low + high);
+        }
+    }
+    if (is_beyond(grip, rest)) {
+        try_limit(grip, from, stuck, low, out, rest, out_force);
     }
 }
 
@@ -286,6 +325,7 @@ void ss_friction_balance(ss_local_contact *local, const double p[3], double spri
     ss_balance with = *balance;
     friction_grip grip;
     sum_contacts(local, rest->force, &grip);
+    grip.is_along_axis = rest->is_along_axis;
     ss_cross3(turned, local->turn, friction->arm);
     ss_sub3(since, turned, friction->turned);
     ss_copy3(friction->turned, turned);
@@ -300,11 +340,15 @@ void ss_friction_balance(ss_local_contact *local, const double p[3], double spri
     ss_copy3(friction->force, stuck);
     const double limit = coulomb(local, rest->force);
     friction->is_sliding = cut(&grip, limit, grip.lean * limit, friction->force);
+    if (is_beyond(&grip, rest)) {
+        friction->is_sliding = true;
+        stick_beside(p, &with, rest, stuck);
+    }
     if (!friction->is_sliding) {
         push(balance, stuck, &with);
         ss_set3(rest->grasp, 0.0, 0.0, 0.0);
     } else {
-        const double size = ss_norm3(stuck);
+        const double size = fmax(NEGLIGIBLE, ss_norm3(stuck));
         slide(local, &grip, balance, stuck, &with, rest, friction->force);
         ss_scale3(friction->offset, friction->offset, ss_norm3(friction->force) / size);
     }

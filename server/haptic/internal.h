@@ -199,6 +199,7 @@ typedef struct ss_rest {
     double force[SS_MAX_CONTACTS]; /* N, F_i(p) */
     double grasp[3];               /* N */
     double stiffness_fraction;     /* of the spring that is left: 1 below the limit */
+    bool is_along_axis;            /* the spring softened along it alone, if at all */
 } ss_rest;
 
 void ss_local_contact_clear(ss_local_contact *local);

@@ -63,6 +63,60 @@ TEST(random_walks_never_have_negative_dissipation)
     }
 }
 
+/* Of a hand that drags `way` m a tick at the limit L: of the friction `drawn` N draw the tip in,
+ * and `left` N of what an update left lie along it. Returns what the friction comes to, N; it never
+ * lets go. */
+static double drag(double mu, double way, double limit, double drawn, double left)
+{
+    const double slope = 350.0, spring = 3500.0;
+    ss_local_contact local;
+    double p[3] = {0.0, 0.0, 0.0}, before = -INFINITY;
+    one_contact(&local, 250.0);
+    local.contact[0].coefficient = mu;
+    local.friction.force[2] = -drawn;
+    local.friction.share[1] = 1.0;
+    for (int n = 0; n < 200; ++n) {
+        ss_balance balance = {.spring = spring,
+                              .limit = limit,
+                              .axis = {0.0, 0.0, 1.0},
+                              .other = {-left, 0.0, 0.0},
+                              .p_free = {way * n - left / spring, 0.0, -0.010},
+                              .count = 1};
+        ss_rest rest;
+        double whole[3];
+        balance.row[0] = (ss_balance_row){{0.0, 0.0, 1.0}, slope * 0.010, slope};
+        (void)ss_coupling_balance(&balance, &rest);
+        ss_friction_balance(&local, p, spring, T, &balance, &rest);
+        ss_copy3(p, rest.p);
+        ss_set3(whole, -left, 0.0, rest.force[0]);
+        ss_add3(whole, whole, local.friction.force);
+        assert_near(ss_norm3(whole), limit, 1e-6);
+        assert_true(-local.friction.force[0] <= mu * rest.force[0] * (1.0 + 1e-5));
+        assert_true(-local.friction.force[0] >= before - 1e-5);
+        before = -local.friction.force[0];
+    }
+    return before;
+}
+
+/* A tip lies in its dent far beyond the limit L. What would stick is more than that, whatever the
+ * contact F gives up: it slides, with mu F or what L leaves room for,
+ *   (mu F + left)^2 + (F - drawn)^2 = L^2,   at least F = drawn. */
+TEST(at_the_limit_friction_that_cannot_stick_slides)
+{
+    static const double mus[] = {0.5, 1.0, 2.0, 4.0}, ways[] = {2e-5, 5e-5, 1e-4, 1e-3};
+    const double limit = 0.58, drawn = 0.2, left = 0.25;
+    const double c = left * left + drawn * drawn - limit * limit;
+    for (int n = 0; n < 16; ++n) {
+        const double mu = mus[n / 4], a = 1.0 + mu * mu, b = mu * left - drawn;
+        const double root = (sqrt(b * b - a * c) - b) / a;
+        const double expected = root > drawn ? mu * root : limit - left;
+        const double came_to = drag(mu, ways[n % 4], limit, drawn, left);
+        print_message("mu %g, %g mm a tick: %.6f of %.6f N\n", mu, 1e3 * ways[n % 4], came_to,
+                      expected);
+        assert_near(came_to, expected, 1e-5);
+    }
+}
+
 /* ---- a loop with tissue ---- */
 
 /* Flat tissue with Coulomb friction, by an anchor of its own. */
