@@ -12,7 +12,9 @@
  * taken off the offset o, which makes up for what an update changed and decays as the contacts'
  * offsets. Held to a limit with whatever F, what slides loses |f| |da| >= 0 and a falling limit
  * takes away what the spring has stored: it never gives energy. Told forces and this law are one
- * force: an update replaces f_k, so that no motion is counted twice.
+ * force: an update replaces f_k, so that no motion is counted twice. What of f is beyond the limit
+ * beside contacts that an update has turned goes to what decays beside them (local_contact.c): cut
+ * at once, a tip's normal that turned by 25 degrees turned the force by 6.
  *
  * Coulomb's limit of several contacts, n their mean normal: each has a disc of mu_i F_i in its own
  * plane, and the ellipsoid about the sum of the discs reaches
@@ -203,6 +205,9 @@ void ss_friction_take(ss_local_contact *local, const ss_contact_set *set, const 
     ss_cross3(friction->turned, local->turn, friction->arm);
     take_told(local, sum);
     sum_contacts(local, force, &grip);
+    ss_add3(local->residual, local->residual, friction->force);
+    (void)cut(&grip, grip.limit, grip.lean * grip.limit, friction->force);
+    ss_sub3(local->residual, local->residual, friction->force);
     ss_sub3(way, p, local->proxy);
     ss_add3(way, way, friction->turned);
     ss_copy3(law, friction->told);

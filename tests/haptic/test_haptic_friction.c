@@ -117,12 +117,44 @@ TEST(at_the_limit_friction_that_cannot_stick_slides)
     }
 }
 
+/* What an update leaves of friction is within its limit beside contacts that have turned; the rest
+ * decays as what they cannot carry, and the force is as it was. */
+TEST(an_update_keeps_the_force_and_friction_within_its_limit)
+{
+    random_state = 3;
+    for (int n = 0; n < 1000; ++n) {
+        ss_local_contact local;
+        ss_contact_set set = {0};
+        double before[3], after[3], flat[3];
+        const double p[3] = {0.0, 0.0, 0.0}, force = uniform(0.0, 1.0);
+        one_contact(&local, uniform(10.0, 1000.0));
+        ss_local_contact_point *c = &local.contact[0];
+        ss_set3(c->direction, uniform(-1.0, 1.0), uniform(-1.0, 1.0), 1.0);
+        ss_normalize3(c->direction);
+        c->force = c->last_force = force;
+        for (int k = 0; k < 3; ++k) {
+            local.friction.force[k] = MU * force * uniform(-1.0, 1.0);
+            local.residual[k] = uniform(-0.1, 0.1);
+        }
+        ss_add3(before, local.residual, local.friction.force);
+        ss_friction_take(&local, &set, p);
+        ss_add3(after, local.residual, local.friction.force);
+        const double *f = local.friction.force;
+        ss_madd3(flat, f, -ss_dot3(f, c->direction), c->direction);
+        for (int k = 0; k < 3; ++k) {
+            assert_near(after[k], before[k], 1e-15);
+        }
+        assert_true(ss_norm3(flat) <= MU * force * (1.0 + 1e-12));
+    }
+}
+
 /* ---- a loop with tissue ---- */
 
 /* Flat tissue with Coulomb friction, by an anchor of its own. */
 typedef struct tissue {
     double anchor[2];
     bool was_touching;
+    double tilt; /* rad, of the normal that it tells */
 } tissue;
 
 /* A result of the tissue for the last target, a period of `ticks` after it. */
@@ -151,6 +183,7 @@ static void answer(rig *r, tissue *t, int ticks)
         r->result.set.force[k] = f[k];
     }
     t->was_touching = normal > 0.0;
+    ss_set3(c->normal, sin(t->tilt), 0.0, cos(t->tilt));
 }
 
 /* A tick with the hand at x, y, z and a result every `ticks`; returns the force on it. */
@@ -168,7 +201,7 @@ static const double *step(rig *r, tissue *t, int ticks, double x, double y, doub
 /* Pressed 3 mm deep, from outside. */
 static void begin_pressed(rig *r, tissue *t, int ticks)
 {
-    *t = (tissue){{0.0, 0.0}, false};
+    *t = (tissue){0};
     rig_begin(r);
     for (int n = 0; n <= 800; ++n) {
         (void)step(r, t, ticks, 0.0, 0.0, 1e-3 - 4e-3 * fmin(1.0, n / 400.0));
@@ -303,7 +336,7 @@ static void press_to_limit(rig *r, tissue *t, double limit)
 {
     ss_haptic_config config = default_config();
     config.max_force = limit;
-    *t = (tissue){{0.0, 0.0}, false};
+    *t = (tissue){0};
     rig_start(r, &config);
     for (int i = 0; i <= 800; ++i) {
         (void)step(r, t, 1, 0.0, 0.0, 1e-3 - 11e-3 * fmin(1.0, i / 400.0));
@@ -335,6 +368,31 @@ TEST(at_the_limit_friction_takes_energy_from_a_hand_that_shakes)
     }
 }
 
+/* A hand that slides at the limit over tissue whose normal one result turns by 25 degrees along the
+ * way and another back, as a coarse mesh does under a tip: the force turns by a degree a tick at
+ * most. */
+TEST(at_the_limit_an_update_that_turns_the_contact_is_not_felt)
+{
+    for (int n = 0; n < RATES; ++n) {
+        rig r;
+        tissue t;
+        press_to_limit(&r, &t, 0.7);
+        double most = 0.0, last[3] = {0.0, 0.0, 1.0};
+        for (int i = 1; i <= 2000; ++i) {
+            const double *f = step(&r, &t, rates[n], 3e-5 * i, 0.0, -0.010);
+            double turn[3];
+            ss_cross3(turn, last, f);
+            most =
+                fmax(most, i > 500 ? asin(ss_norm3(turn) / (ss_norm3(last) * ss_norm3(f))) : 0.0);
+            ss_copy3(last, f);
+            t.tilt = r.tick / rates[n] / 8 % 2 == 0 ? 0.44 : 0.0;
+        }
+        print_message("%d ticks a result: turns by %.3f degrees\n", rates[n], most * 57.29577951);
+        assert_true(most > 0.0 && most * 57.29577951 <= 1.0);
+        rig_end(&r);
+    }
+}
+
 /* The same with hands that go anywhere: each has put in more than it got, and from its highest on
  * that never falls by 1 mJ. */
 TEST(at_the_limit_friction_gives_no_energy_to_hands_that_go_anywhere)
@@ -351,7 +409,7 @@ TEST(at_the_limit_friction_gives_no_energy_to_hands_that_go_anywhere)
             phase[k % 2][k / 2] = uniform(0.0, 2.0 * SS_PI);
         }
         rig r;
-        tissue t = {{0.0, 0.0}, false};
+        tissue t = {0};
         ss_haptic_config config = default_config();
         config.max_force = limit;
         rig_start(&r, &config);
