@@ -197,7 +197,8 @@ static void enter_from_surface(ss_haptic *haptic, int64_t tick, const double poi
     ++haptic->entries;
 }
 
-/* A result for where the proxy is now: the local contact model, and entry if it is the first. */
+/* A result for where the proxy is now: the local contact model, and entry if it is the first. What
+ * is held moves with the tool: its surface is no place to be let in from. */
 static void use_result(ss_haptic *haptic, const ss_simulation_result *result, int64_t tick)
 {
     ss_local_contact *local = &haptic->local;
@@ -219,7 +220,7 @@ static void use_result(ss_haptic *haptic, const ss_simulation_result *result, in
         enter_from_surface(haptic, tick, point, normal);
     } else if (is_first) {
         ss_admission_enter(&haptic->admission);
-    } else if (is_near) {
+    } else if (is_near && !local->grasp.is_held) {
         ss_admission_follow(&haptic->admission, local->result_period, point, normal);
     }
 }
