@@ -166,13 +166,15 @@ void ss_contact_query_weight_forces(const ss_contact_query *query, const double 
 double ss_contact_query_penalty(ss_contact_query *query, const ss_real *u, const ss_tool_pose *pose,
                                 ss_real *force, double tool_force[3], double tool_torque[3]);
 /* Change of the penalty forces for node motions du (4 ss_real a node; NULL: none) and a tool
- * translation dx, linearised at the last ss_contact_query_penalty (d f_q = -A kc c' n n.(B du -
- * dx)): added to dforce (may be NULL) and dtool. RT-safe. */
+ * translation dx, linearised at the last ss_contact_query_penalty (d f_q = -A kc c~' n n.(B du -
+ * dx), c~' <= c' without its steps: query.c): added to dforce (may be NULL) and dtool. RT-safe. */
 void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, const double dx[3],
                               ss_real *dforce, double dtool[3]);
 /* Adds kc sum_q A_q c' B_qi over active samples to diagonal[i] (N/m): the step bound's contact term
  * and the tangent's preconditioner. RT-safe. */
 void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal);
+/* The same of the tangent, with c~'. RT-safe. */
+void ss_contact_query_tangent_diagonal(const ss_contact_query *query, double *diagonal);
 /* The nodes that the samples found can move, increasing: for sparse clearing. RT-safe. */
 int32_t ss_contact_query_candidate_nodes(const ss_contact_query *query, const int32_t **out_node);
 

@@ -118,18 +118,15 @@ struct ss_contact_query {
 #define SS_CONTACT_QUERY_STIFFENING_FROM 0.3
 enum { SS_CONTACT_QUERY_STIFFENING = 10 };
 
-/* c(D) |grad D| of a sample, and that along its normal. */
+/* Of the deepest sample's depth, over which a sample comes to count in the tangent. */
+#define SS_CONTACT_QUERY_RISE 0.05
+
+/* c(D) |grad D| of a sample. */
 static inline ss_real ss_contact_query_push(const ss_contact_query *query, const ss_sample *sample)
 {
     const ss_real more = sample->depth - query->stiffening_depth;
     return sample->lean *
            (more > 0 ? sample->depth + (SS_CONTACT_QUERY_STIFFENING - 1) * more : sample->depth);
-}
-
-static inline ss_real ss_contact_query_slope(const ss_contact_query *query, const ss_sample *sample)
-{
-    return sample->lean * sample->lean *
-           (sample->depth > query->stiffening_depth ? SS_CONTACT_QUERY_STIFFENING : 1);
 }
 
 /* kc A_q of a triangle's samples, N/m. */

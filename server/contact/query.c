@@ -17,6 +17,16 @@
  * Rejected: to remember each sample's side, which is no potential, and gives energy where it turns
  * a sample back.
  *
+ * The tangent, which models tell the hand's stiffness from, takes in place of c' what has no steps:
+ *   c~'(D) = ramp(D) + 9 ramp(D - 0.3 r),  ramp(x) = min(1, x+ / (0.05 max_q D_q)).
+ * With c' the stiffness had two values where a sample at the rim just touches and just does not;
+ * the coupling's spring follows it (haptic/yield.c), and with the tool pressed that sample in or
+ * let it go again: a cycle of 0.3 % of the force for ever under a hand that stood still, and no
+ * body slept. Under a sphere c~' is 2.5 % less than c', in series with the tissue less than that,
+ * under a face that touches all at once nothing. The diagonal, of the step bound, has c'. Rejected:
+ * a spring that does not follow the last per cent (what is held then depends on how it was come
+ * by), and c itself without a corner (first touches softer).
+ *
  * All are functions of node positions and pose alone; what the broad phase leaves out has d > 0 (or
  * > delta), contributes exactly nothing, and the rest is summed in the surface's fixed order: the
  * bits do not depend on the broad phase's radius nor on what is culled. Two culls, both rigorous:
@@ -437,9 +447,34 @@ double ss_contact_query_penalty(ss_contact_query *query, const ss_real *u, const
 
 /* ---- linearisation ---- */
 
+/* The depth over which a sample comes to count, m. */
+static ss_real rise_depth(const ss_contact_query *query)
+{
+    ss_real deepest = 0;
+    for (int32_t i = 0; i < query->sample_count; ++i) {
+        const ss_real depth = query->sample[i].depth;
+        deepest = depth > deepest ? depth : deepest;
+    }
+    return (ss_real)SS_CONTACT_QUERY_RISE * deepest;
+}
+
+/* 0 at `depth` 0, 1 from `rise` on; with `rise` 0 the step itself. */
+static inline ss_real risen(ss_real depth, ss_real rise)
+{
+    return depth < rise ? (depth > 0 ? depth / rise : 0) : 1;
+}
+
+/* c~'(D) |grad D|^2, along the sample's normal; with `rise` 0 c' in place of c~'. */
+static inline ss_real slope_of(const ss_contact_query *query, const ss_sample *sample, ss_real rise)
+{
+    const ss_real more = risen(sample->depth - query->stiffening_depth, rise);
+    return sample->lean * sample->lean *
+           (risen(sample->depth, rise) + (SS_CONTACT_QUERY_STIFFENING - 1) * more);
+}
+
 /* The friction's part of it: less its stiffness times the motions along the surface. */
 static void add_hold(const ss_contact_query *query, const ss_group *group, ss_real scale,
-                     const ss_wide move[SS_GRID_ROW], const ss_wide *shift,
+                     ss_real rise, const ss_wide move[SS_GRID_ROW], const ss_wide *shift,
                      ss_wide value[SS_GRID_ROW], ss_wide *on_tool)
 {
     const ss_grid *grid = &query->surface->grid;
@@ -448,10 +483,10 @@ static void add_hold(const ss_contact_query *query, const ss_group *group, ss_re
         const uint8_t *p = grid->facet[s->sample_index / grid->part_count];
         const ss_real *c = grid->part[s->sample_index % grid->part_count];
         const ss_wide m = c[0] * move[p[0]] + c[1] * move[p[1]] + c[2] * move[p[2]] - *shift;
-        const ss_real rise = s->n[0] * m[0] + s->n[1] * m[1] + s->n[2] * m[2];
-        const ss_real hold = scale * query->rub[i].hold;
-        const ss_wide f = {hold * (rise * s->n[0] - m[0]), hold * (rise * s->n[1] - m[1]),
-                           hold * (rise * s->n[2] - m[2]), 0};
+        const ss_real along = s->n[0] * m[0] + s->n[1] * m[1] + s->n[2] * m[2];
+        const ss_real hold = scale * query->rub[i].hold * risen(s->depth, rise);
+        const ss_wide f = {hold * (along * s->n[0] - m[0]), hold * (along * s->n[1] - m[1]),
+                           hold * (along * s->n[2] - m[2]), 0};
         value[p[0]] += c[0] * f;
         value[p[1]] += c[1] * f;
         value[p[2]] += c[2] * f;
@@ -465,6 +500,7 @@ void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, 
     const ss_surface *surface = query->surface;
     const ss_grid *grid = &surface->grid;
     const ss_wide shift = {(ss_real)dx[0], (ss_real)dx[1], (ss_real)dx[2], 0};
+    const ss_real rise = rise_depth(query);
     double sum[3] = {0.0, 0.0, 0.0};
     for (int32_t g = 0; g < query->group_count; ++g) {
         const ss_group *group = &query->group[g];
@@ -483,7 +519,7 @@ void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, 
             const uint8_t *p = grid->facet[s->sample_index / grid->part_count];
             const ss_real *c = grid->part[s->sample_index % grid->part_count];
             const ss_wide m = c[0] * move[p[0]] + c[1] * move[p[1]] + c[2] * move[p[2]] - shift;
-            const ss_real push = -scale * ss_contact_query_slope(query, s) *
+            const ss_real push = -scale * slope_of(query, s, rise) *
                                  (s->n[0] * m[0] + s->n[1] * m[1] + s->n[2] * m[2]);
             const ss_wide f = {push * s->n[0], push * s->n[1], push * s->n[2], 0};
             value[p[0]] += c[0] * f;
@@ -492,7 +528,7 @@ void ss_contact_query_tangent(const ss_contact_query *query, const ss_real *du, 
             on_tool += f;
         }
         if (query->rub != NULL) {
-            add_hold(query, group, scale, move, &shift, value, &on_tool);
+            add_hold(query, group, scale, rise, move, &shift, value, &on_tool);
         }
         for (int k = 0; k < 3; ++k) {
             sum[k] += (double)on_tool[k];
@@ -520,7 +556,7 @@ static void scatter_scalar(const ss_surface *surface, int32_t t, const double va
     }
 }
 
-void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal)
+static void add_diagonal(const ss_contact_query *query, ss_real rise, double *diagonal)
 {
     const ss_surface *surface = query->surface;
     const ss_grid *grid = &surface->grid;
@@ -531,8 +567,7 @@ void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal)
         memset(value, 0, sizeof value);
         for (int32_t i = 0; i < group->count; ++i) {
             const int32_t sample_index = query->sample[group->first + i].sample_index;
-            const double slope =
-                (double)ss_contact_query_slope(query, &query->sample[group->first + i]);
+            const double slope = (double)slope_of(query, &query->sample[group->first + i], rise);
             for (int k = 0; k < 3; ++k) {
                 value[grid->facet[sample_index / grid->part_count][k]] +=
                     scale * slope * (double)grid->part[sample_index % grid->part_count][k];
@@ -552,4 +587,14 @@ void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal)
         }
         scatter_scalar(surface, t, value, diagonal);
     }
+}
+
+void ss_contact_query_diagonal(const ss_contact_query *query, double *diagonal)
+{
+    add_diagonal(query, 0, diagonal);
+}
+
+void ss_contact_query_tangent_diagonal(const ss_contact_query *query, double *diagonal)
+{
+    add_diagonal(query, rise_depth(query), diagonal);
 }

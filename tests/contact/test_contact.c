@@ -498,6 +498,26 @@ TEST(tangent_and_diagonal_match_differences)
     close_query();
 }
 
+/* As a sphere goes in, samples begin to touch and, beyond 0.3 R, to be ten times as stiff: each is
+ * 0.5 % of all and more, and none is a step. */
+TEST(the_tangent_of_a_tool_going_in_has_no_steps)
+{
+    enum { STEPS = 10000 };
+    double last = 0.0;
+    make_plane(16, 16, 0.005);
+    open_query(&sphere_5mm, 2, 0.005, 5e7);
+    for (int k = 0; k < STEPS; ++k) {
+        const ss_tool_pose pose = pose_at(0.0011, 0.0007, 0.004 - 1e-7 * k);
+        double dtool[3] = {0.0, 0.0, 0.0};
+        broad_phase(&pose, &pose);
+        penalty(&pose);
+        ss_contact_query_tangent(query, NULL, (double[3]){0.0, 0.0, 1.0}, NULL, dtool);
+        assert_true(dtool[2] < 0.0 && (k == 0 || fabs(dtool[2] / last - 1.0) < 1e-3));
+        last = dtool[2];
+    }
+    close_query();
+}
+
 /* ---- contacts ---- */
 
 TEST(a_sphere_has_one_contact_through_its_centre)

@@ -315,7 +315,7 @@ double ss_chain_feel(ss_model *model, int probe, const double normal[3])
     if (age >= YOUNG && age % EVERY != 0 && many <= ITERATIONS) {
         return model->tool[probe].viscosity;
     }
-    ss_tool_add_diagonal(tool, model->diagonal_of);
+    ss_tool_add_tangent_diagonal(tool, model->diagonal_of);
     const double k_cc = ss_tool_push(tool, normal, model->push);
     find_cells(model, tool, probe);
     find_links(model);

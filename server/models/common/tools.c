@@ -351,12 +351,23 @@ double ss_tools_energy(const ss_tools *tools)
     return energy;
 }
 
-void ss_tool_add_diagonal(const ss_tool *tool, double *diagonal)
+static void add_grasp_diagonal(const ss_tool *tool, double *diagonal)
 {
-    ss_contact_query_diagonal(tool->query, diagonal);
     for (int32_t i = 0; i < tool->grasp.count; ++i) {
         diagonal[tool->grasp.node[i]] += tool->grasp.fade * tool->grasp.stiffness[i];
     }
+}
+
+void ss_tool_add_diagonal(const ss_tool *tool, double *diagonal)
+{
+    ss_contact_query_diagonal(tool->query, diagonal);
+    add_grasp_diagonal(tool, diagonal);
+}
+
+void ss_tool_add_tangent_diagonal(const ss_tool *tool, double *diagonal)
+{
+    ss_contact_query_tangent_diagonal(tool->query, diagonal);
+    add_grasp_diagonal(tool, diagonal);
 }
 
 void ss_tool_add_change(const ss_tool *tool, const ss_real *x, ss_real *out)

@@ -132,8 +132,9 @@ static inline bool ss_tool_is_touching(const ss_tool *tool)
 double ss_tool_energy(const ss_tool *tool);
 /* Of all that are present. */
 double ss_tools_energy(const ss_tools *tools);
-/* Adds D, N/m. */
+/* Adds D, N/m: of the step bound, and of the tangent, which has no steps (contact/query.c). */
 void ss_tool_add_diagonal(const ss_tool *tool, double *diagonal);
+void ss_tool_add_tangent_diagonal(const ss_tool *tool, double *diagonal);
 /* Adds the force's change for motions x of the nodes, which is -C x. */
 void ss_tool_add_change(const ss_tool *tool, const ss_real *x, ss_real *out);
 /* Adds c to `push`; returns k_cc, N/m. */
