@@ -2,19 +2,21 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/sleep.h"
 /*
- * What counts as rest. With D the body's diagonal, x_q the nodes and F_q the mean force on a tool
- * in quarter q of a second, a quarter is still when
+ * What counts as rest. With D the body's diagonal, h the step, x_q the nodes and F_q the mean force
+ * on a tool in quarter q of a second, four quarters on end are still when
  *
- *   |v| <= 1e-3 D / s,  |x - x_q| <= 1e-4 D t_q / T  in each of its steps,
- *   |F_q - F_(q-1)| <= f t_q / T,
+ *   |x - x_q| <= d,  |v| <= max(1e-3 D / s, d / h)  in each of their steps,  d = 1e-4 D t_q / T,
+ *   |F_q - F_1| <= f 3 t_q / T,  q = 2, 3, 4,
  *
  * t_q = 0.25 s, T = 4 s. What creeps with a time constant of up to T is then within 1e-4 D, and its
  * force within f, of where it would come to rest for good; f is a thousandth of what is just
- * noticeable, which is 7 % of a force and at least 20 mN. Four still quarters on end are sleep. The
- * forces are means of a quarter, since the last digits of a force in floats never rest, and within
- * it they may swing by 5 f: more is a motion that no mean shows. A guard that acts in
- * every step of the four quarters, while no tool moves, does not keep the body awake, and its
- * verdict is told on.
+ * noticeable, which is 7 % of a force and at least 20 mN. The last digits of a force in floats
+ * never rest: hence means of a quarter, whose change is looked at over three (from each to the
+ * next, 4e-6 of a force, a block of 60 kPa stayed awake); within a quarter it may swing by 5 f:
+ * more is a motion that no mean shows. Nor do light nodes rest, which tremble by 10 nm at some
+ * kilohertz in rounded forces: hence d / h, less than which leaves no step's place by d. A guard
+ * that acts in every step of the four quarters, while no tool moves, does not keep the body awake,
+ * and its verdict is told on.
  *
  * Torques count as forces at the tool's bounding radius R. The stiffness that is told, which some
  * models find over seconds, is within 5e-3 of where it ends in the same way. A tool that touches or
@@ -50,15 +52,15 @@ typedef struct ss_sleep_tool {
     double clearance;  /* m, from its pose there to the nearest node, less slack; of a free one */
     double radius;     /* m, bounding */
     bool is_present, is_grasping, is_free;
-    bool is_near;            /* of the last set: a contact, or a patch that is near */
-    int32_t still;           /* quarters on end */
-    double first_force[3];   /* N, of the quarter */
-    double force[3];         /* N, summed over the quarter, */
-    double torque[3];        /* N m, the same */
-    double mean_force[3];    /* N, of the quarter before */
-    double mean_torque[3];   /* N m */
-    double stiffness;        /* N/m, along the normals, at the end of that */
-    double stiffness_so_far; /* N/m, of the last set */
+    bool is_near;          /* of the last set: a contact, or a patch that is near */
+    int32_t still;         /* quarters on end */
+    double first_force[3]; /* N, of the quarter */
+    double force[3];       /* N, summed over the quarter, at its end the mean */
+    double torque[3];      /* N m, the same */
+    double base_force[3];  /* N, mean of the first still quarter */
+    double base_torque[3]; /* N m, the same */
+    double base_stiffness; /* N/m, along the normals, at the end of that */
+    double stiffness;      /* N/m, of the last set */
 } ss_sleep_tool;
 
 struct ss_sleep {
@@ -134,11 +136,17 @@ static double square4(const ss_real *v)
     return (double)(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
+/* m: how far a node at rest goes in a quarter. */
+static double still_way(const ss_sleep *sleep)
+{
+    return STILL_WAY * sleep->diagonal * sleep->quarter * sleep->step / CREEP_TIME;
+}
+
 /* Is any node faster? Looks first at the one that was, so that a body that moves costs nothing. */
 static bool is_moving(ss_sleep *sleep)
 {
     const ss_real *v = sleep->model_class->velocity(sleep->model);
-    const double limit = STILL_SPEED * sleep->diagonal;
+    const double limit = fmax(STILL_SPEED * sleep->diagonal, still_way(sleep) / sleep->step);
     const double square = limit * limit;
     if (!(square4(v + 4 * (ptrdiff_t)sleep->moving) <= square)) {
         return true;
@@ -156,7 +164,7 @@ static bool is_moving(ss_sleep *sleep)
 static bool has_gone(const ss_sleep *sleep)
 {
     const ss_real *u = sleep->model_class->displacement(sleep->model);
-    const double limit = STILL_WAY * sleep->diagonal * sleep->quarter * sleep->step / CREEP_TIME;
+    const double limit = still_way(sleep);
     const double square = limit * limit;
     bool is_any = false;
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)sleep->mesh->node_count && !is_any; at += 4) {
@@ -290,7 +298,7 @@ static bool is_tool_still(ss_sleep *sleep, int32_t p, const ss_model_tool *input
         return is_same;
     }
     double force[3], stiffest, apart[3];
-    tool->stiffness_so_far = read_set(set, force, &stiffest);
+    tool->stiffness = read_set(set, force, &stiffest);
     tool->is_near = set->count > 0 || ss_norm3(set->force) > 0.0;
     tool->way = tool->is_near && stiffest > 0.0 ? still_force(force) / stiffest
                                                 : STILL_WAY * sleep->diagonal;
@@ -310,24 +318,17 @@ static bool is_tool_still(ss_sleep *sleep, int32_t p, const ss_model_tool *input
            ss_norm3(apart) <= MOST_SWING * still_force(force);
 }
 
-/* At the end of a quarter: has the force on the tool come to rest? */
-static bool is_force_still(ss_sleep *sleep, ss_sleep_tool *tool)
+/* At the end of a quarter: is the force on the tool where it was in the first still one? */
+static bool is_force_still(const ss_sleep *sleep, const ss_sleep_tool *tool)
 {
-    double force[3], torque[3], by_force[3], by_torque[3];
-    ss_scale3(force, tool->force, 1.0 / sleep->quarter);
-    ss_scale3(torque, tool->torque, 1.0 / sleep->quarter);
-    ss_sub3(by_force, force, tool->mean_force);
-    ss_sub3(by_torque, torque, tool->mean_torque);
-    const double limit = still_force(force) * sleep->quarter * sleep->step / CREEP_TIME;
-    const bool is_still =
-        ss_norm3(by_force) <= limit && ss_norm3(by_torque) <= limit * tool->radius &&
-        fabs(tool->stiffness_so_far - tool->stiffness) <=
-            STILL_STIFFNESS * tool->stiffness * sleep->quarter * sleep->step / CREEP_TIME;
-    ss_copy3(tool->mean_force, force);
-    ss_copy3(tool->mean_torque, torque);
-    tool->stiffness = tool->stiffness_so_far;
-    ++tool->still;
-    return is_still;
+    double by_force[3], by_torque[3];
+    const double share = (QUARTERS - 1) * sleep->quarter * sleep->step / CREEP_TIME;
+    const double limit = share * still_force(tool->force);
+    ss_sub3(by_force, tool->force, tool->base_force);
+    ss_sub3(by_torque, tool->torque, tool->base_torque);
+    return ss_norm3(by_force) <= limit && ss_norm3(by_torque) <= limit * tool->radius &&
+           fabs(tool->stiffness - tool->base_stiffness) <=
+               share * STILL_STIFFNESS * tool->base_stiffness;
 }
 
 /* Is tool `p` so far away, or so still, that the body may sleep? */
@@ -417,16 +418,26 @@ bool ss_sleep_has_tool(const ss_sleep *sleep)
     return is_any;
 }
 
-/* A quarter is over: was it still? */
-static bool end_quarter(ss_sleep *sleep)
+/* A quarter is over: returns how many are still on end. Nodes were looked at in each step. */
+static int32_t end_quarter(ss_sleep *sleep)
 {
-    bool is_still = true; /* nodes were looked at in each step */
+    bool is_still = sleep->quarters > 0;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        if (sleep->tool[p].is_present) {
-            is_still = is_force_still(sleep, &sleep->tool[p]) && is_still;
+        ss_sleep_tool *tool = &sleep->tool[p];
+        if (tool->is_present) {
+            ss_scale3(tool->force, tool->force, 1.0 / sleep->quarter);
+            ss_scale3(tool->torque, tool->torque, 1.0 / sleep->quarter);
+            is_still = is_still && is_force_still(sleep, tool);
+            ++tool->still;
         }
     }
-    return is_still;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES && !is_still; ++p) {
+        ss_sleep_tool *tool = &sleep->tool[p];
+        ss_copy3(tool->base_force, tool->force);
+        ss_copy3(tool->base_torque, tool->torque);
+        tool->base_stiffness = tool->stiffness;
+    }
+    return is_still ? sleep->quarters + 1 : 1;
 }
 
 static void fall_asleep(ss_sleep *sleep, const ss_model_tool tool[SOFTSIM_MAX_PROBES],
@@ -463,7 +474,7 @@ void ss_sleep_watch(ss_sleep *sleep, double time, const ss_model_tool tool[SOFTS
     if (++sleep->steps < sleep->quarter) {
         return;
     }
-    sleep->quarters = end_quarter(sleep) ? sleep->quarters + 1 : 0;
+    sleep->quarters = end_quarter(sleep);
     sleep->steps = 0;
     if (sleep->quarters >= QUARTERS) {
         fall_asleep(sleep, tool, near);

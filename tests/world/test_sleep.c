@@ -271,6 +271,35 @@ TEST_WITH(a_guard_that_passes_is_not_slept_over, make_folder_with_block, remove_
     softsim_destroy(&world);
 }
 
+/* Under a tool that stands still: where samples only just touch, deep in where light nodes tremble
+ * in the last digits, and where the force does. */
+TEST_WITH(tissue_sleeps_under_a_tool_at_rest, make_folder_with_block, remove_folder)
+{
+    SKIP_WHERE_REPEATED();
+    static const body rests[] = {
+        {"kidney", "kidney.yaml", NULL, NULL, ON_KIDNEY, 0.00275},
+        {"kidney", "kidney.yaml", NULL, NULL, ON_KIDNEY, 0.0055},
+        {"kidney-tissue", "kidney-tissue.yaml", NULL, NULL,
+         AT(0.010609, 0.004, 0.027527, 0, 0, -1, 1, 0, 0), 0.018},
+        {"block", NULL, "  name: corotational\n" ELASTIC, NULL, ON_BLOCK, 0.001}};
+    for (size_t i = 0; i < sizeof rests / sizeof *rests; ++i) {
+        const body *b = &rests[i];
+        softsim_world *world = open_body(b, NULL, 0);
+        softsim_state end;
+        for (int n = 1; n <= 400 + 3000; ++n) {
+            double x[3];
+            ss_madd3(x, b->touch, FAR_OUT + (b->depth - FAR_OUT) * smooth(n / 400.0), b->in);
+            const softsim_pose pose = pose_of(n, x);
+            (void)feel(world, &pose);
+        }
+        softsim_read(world, &end);
+        if (end.active_nodes != 0) {
+            fail_msg("%s stays awake, pressed by %.3g mm", b->name, 1e3 * b->depth);
+        }
+        softsim_destroy(&world);
+    }
+}
+
 /* It is told, and sleeps only where it may. */
 TEST_WITH(a_sleeping_body_says_so, make_folder_with_block, remove_folder)
 {
