@@ -101,7 +101,7 @@ static const scene_case scene_cases[] = {
     {"scene: pretension of a loose body", "m.obj", GOOD_MESH,
      "softsim: 1\nobject: {mesh: m.obj, units: mm}\n"
      "model: {name: cnn-energy, modulus_j: 1, pretension_j: 1, " BODY,
-     "scene.yaml: model: cnn-energy: pretension_j"},
+     "scene.yaml: model: cnn-energy: each separate part is to have three fixed nodes"},
     {"mesh: missing", NULL, NULL, OBJECT("nowhere.obj") MODEL, "nowhere.obj"},
     {"mesh: empty", "m.obj", "", OBJECT("m.obj") MODEL, "m.obj"},
     {"mesh: binary", "m.stl", "\x7f\x45\x4c\x46\x01\x02\x03", OBJECT("m.stl") MODEL, "m.stl"},
@@ -150,7 +150,8 @@ TEST(checks_tell_what_is_good_and_what_is_doubtful)
     static const struct {
         const char *units, *radius_mm, *doubt; /* NULL: none */
     } cases[] = {
-        {"mm", "9", NULL},
+        {"mm", "14", NULL},
+        {"mm", "9", "object.mesh: what is felt is a smooth surface through the mesh"},
         {"mm", "5", "tool 3 is small beside the mesh"},
         {"m", "5000", "object.units: the body's diagonal is 17.3"},
         {"um", "0.005", "object.units: the body's diagonal is 1.7"},
