@@ -94,6 +94,19 @@ static void note_motion(ss_corrector *corrector, double elapsed_s, const double 
     }
 }
 
+/* Of a contact that the server let the tool in to, what it has stored then is the hand's. */
+static void note_entry(ss_corrector *corrector, double size)
+{
+    const softsim_force *force = &corrector->force;
+    if ((force->flags & SOFTSIM_FORCE_RAMPING) != 0) {
+        corrector->energy_j = 0.0;
+        corrector->is_let_in = true;
+    } else if (corrector->is_let_in && force->stiffness > 0.0) {
+        corrector->energy_j = 0.5 * size * size / force->stiffness;
+        corrector->is_let_in = false;
+    }
+}
+
 /* Takes off a force that moves with the hand what its contact has not taken from the hand; for the
  * coming period of `elapsed_s`. */
 static void damp(ss_corrector *corrector, double elapsed_s, double force[3])
@@ -102,6 +115,10 @@ static void damp(ss_corrector *corrector, double elapsed_s, double force[3])
     const bool is_touching = size > touch_n;
     corrector->energy_j = is_touching && !corrector->is_touching ? 0.0 : corrector->energy_j;
     corrector->is_touching = is_touching;
+    note_entry(corrector, size);
+    if (corrector->is_let_in) {
+        return;
+    }
     const double speed = is_touching ? ss_dot3(force, corrector->velocity) / size : 0.0;
     if (speed > 0.0) {
         const double debt = size * speed * elapsed_s - corrector->energy_j;

@@ -27,7 +27,11 @@
  *   F - alpha v >= 0,   alpha growing to 60 N s/m at -0.3 mJ
  *
  * and never more than F: a hand that presses feels what it felt. Debts are forgotten within 0.2 s,
- * so that tissue which moves of itself, or at another tool, still pushes a hand, slowly.
+ * so that tissue which moves of itself, or at another tool, still pushes a hand, slowly. While the
+ * server lets a tool in (its force is flagged so), it counts what it presses in for the hand and
+ * damps by itself, and here nothing is counted; what the contact has stored when that ends,
+ * F^2 / 2 S, is the hand's. (Counted as a debt, each count of the device on the way out took the
+ * whole force for a tick: after a gap of 50 ms it buzzed between nothing and all.)
  *
  * When no force has come for 50 ms (the server is gone) the last one fades to zero in 20 ms.
  * World frame, SI. Thread: the bridge's loop; no allocation after creation.
@@ -47,6 +51,7 @@ typedef struct ss_corrector {
     int64_t received_ns;
     /* state: the contact's energy */
     bool has_exerted, is_touching;
+    bool is_let_in; /* the force is ramping, or was until now */
     int64_t exerted_ns;
     double exerted[3], exerted_at[3];
     double velocity[3]; /* m/s */
