@@ -184,8 +184,9 @@ TEST(energy_that_no_hand_has_stops_the_tissue)
     destroy(world);
 }
 
-/* A tracker that jitters, at three depths: what is shaken is told, and is at rest again when the
- * tool is gone. No reset is needed. */
+/* A tracker that jitters, at three depths: what is shaken is told, where more than 10 mJ are handed
+ * out (the deeper two) as degraded, and is at rest again when the tool is gone. No reset is needed.
+ */
 TEST(a_jittering_tracker_stops_nothing)
 {
     (void)state;
@@ -204,7 +205,8 @@ TEST(a_jittering_tracker_stops_nothing)
             tick(world, k, 0.005, 0.003, free_z + 0.02);
         }
         softsim_read((softsim_world *)world, &now);
-        assert_int_equal(now.worst_verdict, SOFTSIM_VERDICT_DEGRADED);
+        assert_true(now.worst_verdict == SOFTSIM_VERDICT_DEGRADED ||
+                    (run == 0 && now.worst_verdict == SOFTSIM_VERDICT_GUARDED));
         assert_int_equal(now.verdict, SOFTSIM_VERDICT_GOOD);
         const ss_real *u = world->model_class->displacement(world->model);
         for (int32_t i = 0; i < 4 * now.node_count; ++i) {
