@@ -255,6 +255,7 @@ TEST_WITH(a_surface_is_felt_or_told_how_to_be_filled, make_folder, remove_folder
         fail_msg("%s", out);
     }
     assert_non_null(strstr(out, " kidney-filled.msh --units mm"));
+    assert_non_null(strstr(out, "cnn-energy has no physical constants: they were scaled to Hertz"));
     run_tool("generate kidney --points 1200 --out kidney.obj"); /* finer than what fills it */
     assert_int_equal(
         run(TOOL "scene kidney.obj --tissue kidney --model fem --out f.yaml", out, sizeof out), 2);
@@ -266,6 +267,7 @@ TEST_WITH(a_surface_is_felt_or_told_how_to_be_filled, make_folder, remove_folder
     assert_int_equal(
         run(TOOL "scene kidney-filled.msh --tissue kidney --out f.yaml", out, sizeof out), 0);
     assert_non_null(strstr(out, "f.yaml: fem-quadratic, "));
+    assert_null(strstr(out, "were scaled to"));
     assert_true(told_ratio() > 0.8 && told_ratio() < 1.2);
 }
 

@@ -13,6 +13,7 @@
 #include "rt/plain.h"
 
 static const double SOFT = 0.5, HARD = 1.6; /* times Hertz's: told beyond */
+static const double NEARLY = 0.8;           /* of a step's time: hardly faster than real time */
 static const double UNEVEN = 0.8;           /* of the edges that a press needs */
 static const double MOST_TRIANGLES = 2e4;   /* more are not felt in time by any model */
 
@@ -42,7 +43,7 @@ static bool is_coarse(const organ *o)
 
 static bool is_slow(const organ *o)
 {
-    return o->step_cost_us > 0.5e6 * o->step_s || o->trial.step_us > o->trial.period_us;
+    return o->step_cost_us > 0.5e6 * o->step_s || o->trial.step_us > NEARLY * o->trial.period_us;
 }
 
 /* Edges for the tool that was asked for, or for the one that the body's size asks for. */
@@ -318,6 +319,11 @@ static void tell_press(const organ *o)
                  o->tissue->youngs_modulus, 1e3 * t->held.depth, t->deepest.force,
                  1e3 * t->deepest.indentation, softsim_verdict_name(t->verdict),
                  t->reason[0] != '\0' ? ": " : "", t->reason);
+    if (o->model->hints != NULL && o->model->hints->write_organ != NULL) {
+        (void)printf("  %s has no physical constants: they were scaled to Hertz's force, so that a "
+                     "thin wall or a cavity is felt as solid tissue\n",
+                     o->model->name);
+    }
     (void)printf("  beside softsim-bridge's peak force: these are at rest; in motion, at %.3g "
                  "mm/s, the first was %.3g N\n",
                  1e3 * t->speed, t->moving_force);
