@@ -22,8 +22,10 @@ static const char *bare_obj(void)
 
 /* What was felt, beside what the scene's two presses said of rest: both of a depth from the first
  * touch. A force grows with depth at a power from 1 to 2, on the power that the two presses have
- * between them; in motion it is more, by what the scene says or a hand that moves faster adds. */
-static void expect_between(double force, double indentation_mm)
+ * between them; in motion it is more, by what the scene says or a hand that moves faster adds. A
+ * client whose forces the machine holds up for 20 ms goes on by the felt stiffness meanwhile, up to
+ * what its hand moved: how much that is says nothing of the scene. */
+static void expect_between(double force, double indentation_mm, bool is_held_up)
 {
     const char *said = strstr(other.out, "pressed and held: "),
                *deep = strstr(other.out, " went; ");
@@ -36,7 +38,7 @@ static void expect_between(double force, double indentation_mm)
     const double at_rest = first[0] * pow(indentation_mm / first[1], power);
     print_message("%.3f N felt at %.2f mm, %.3f N at rest\n", force, indentation_mm, at_rest);
     assert_true(power > 0.8 && power < 2.2);
-    assert_true(force > 0.7 * at_rest && force < 2.0 * at_rest);
+    assert_true(force > 0.7 * at_rest && (is_held_up || force < 2.0 * at_rest));
 }
 
 TEST_WITH(a_bare_obj_is_felt_after_three_commands, make_folder, tear_down)
@@ -54,15 +56,17 @@ TEST_WITH(a_bare_obj_is_felt_after_three_commands, make_folder, tear_down)
     if (process_run(&client, feel) != 0) {
         fail_msg("%s%s", client.out, client.err);
     }
-    double share = 0.0, force = 0.0, indentation_mm = 0.0;
-    const char *contact = strstr(client.out, "contact "), *peak = strstr(client.out, "peak force ");
-    assert_true(contact != NULL && peak != NULL);
+    double share = 0.0, force = 0.0, indentation_mm = 0.0, latency_us = 0.0;
+    const char *contact = strstr(client.out, "contact "), *peak = strstr(client.out, "peak force "),
+               *latency = strstr(client.out, "latency_us ");
+    assert_true(contact != NULL && peak != NULL && latency != NULL);
+    assert_int_equal(sscanf(latency, "latency_us mean %*f max %lf", &latency_us), 1);
     assert_int_equal(sscanf(contact, "contact %lf", &share), 1);
     assert_int_equal(
         sscanf(peak, "peak force %lf N at %lf mm of indentation\n", &force, &indentation_mm), 2);
     print_message("%s%s", client.out, client.err);
     assert_true(share > 0.0 && force > 0.0);
-    expect_between(force, indentation_mm);
+    expect_between(force, indentation_mm, latency_us > 20e3);
     assert_null(strstr(client.err, "inside the tissue"));
     assert_int_equal(stop_daemon(), 0);
 }
