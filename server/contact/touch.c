@@ -32,8 +32,9 @@
 #include "rt/vec.h"
 
 enum { MAX_PLACES = 192, MAX_SAMPLES = 48 /* along a side */ };
-static const double LEVEL = 0.5; /* n . a of a place, at least */
-static const double GENTLE = 0.966, STEEP_COST = 8.0;
+static const double LEVEL = 0.5;    /* n . a of a place, at least */
+static const double GENTLE = 0.966; /* n . a of 15 degrees: what is steeper costs */
+static const double STEEP_COST = 8.0;
 static const double CLEAR_RADII = 4.0;  /* from what is fixed */
 static const double FINE_RADII = 0.125; /* between samples */
 static const double OFF_RADII = 0.5;    /* above the place where the tool is held up elsewhere */

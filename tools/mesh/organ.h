@@ -56,7 +56,7 @@ typedef struct organ {
     double hand_scale;   /* world metres a metre of that hand */
     double working_force, max_force;
 
-    int32_t unheld_count; /* parts that the side away from the hand has nothing of: held by boxes */
+    int32_t boxed_count; /* parts that the side away from the hand has nothing of: held by boxes */
 
     /* of the scene, once it is loaded */
     bool is_rounded; /* its corners are not where they are felt */

@@ -25,22 +25,6 @@ double organ_height(const organ *o)
     return fabs(ss_dot3(way, o->towards));
 }
 
-/* A word that is neither a group nor an entry would be YAML of another meaning. */
-static softsim_status check(const organ_request *q, const organ *o, softsim_error *error)
-{
-    if (strcmp(q->fixed, "away") == 0 || o->fixed[0] == '\0' ||
-        (o->fixed[0] == '{' && strchr(o->fixed, '\n') == NULL)) {
-        return SOFTSIM_OK;
-    }
-    softsim_error_add(
-        error, SOFTSIM_ERROR_ARGUMENT,
-        "--fixed: '%.60s' is no group of %s; give away, none, one of its groups "
-        "(softsim-mesh info lists them), or an entry such as '{box_m: [[-1, -1, -1], [1, "
-        "1, 0]]}'",
-        q->fixed, q->mesh);
-    return SOFTSIM_ERROR_ARGUMENT;
-}
-
 /* As an entry of `fixed`: names may hold anything that ends neither a file's line nor its quotes.
  */
 static void name_group(const char *name, char *out, size_t size)
@@ -124,16 +108,22 @@ static void hold_part(organ *o, const part *own)
                    low[1] - 1e-5, low[2] - 1e-5, high[0] + 1e-5, high[1] + 1e-5, high[2] + 1e-5);
 }
 
-/* Of parts that the plane has nothing of, which would fly off, their own far side is held. */
+/* Of parts that the plane has nothing of, which would fly off, their own far side is held; of more
+ * than can be listed, none. */
 static void hold_parts(const ss_mesh *mesh, organ *o, double share)
 {
     int32_t *body = ss_memory_get((size_t)mesh->node_count, sizeof *body);
     part *parts = ss_memory_get((size_t)o->part_count + 1, sizeof *parts);
     if (body != NULL && parts != NULL && ss_mesh_find_bodies(mesh, body) == o->part_count) {
+        int32_t loose = 0;
         measure_parts(mesh, o, share, body, parts);
         for (int32_t i = 0; i < o->part_count; ++i) {
-            if (!parts[i].is_held && ++o->unheld_count <= MAX_HELD_PARTS) {
+            loose += !parts[i].is_held;
+        }
+        for (int32_t i = 0; i < o->part_count && loose <= MAX_HELD_PARTS; ++i) {
+            if (!parts[i].is_held) {
                 hold_part(o, &parts[i]);
+                ++o->boxed_count;
             }
         }
     }
@@ -141,21 +131,9 @@ static void hold_parts(const ss_mesh *mesh, organ *o, double share)
     ss_memory_free(body);
 }
 
-static void choose(const organ_request *q, const ss_mesh *mesh, organ *o)
+/* What lies behind a plane on the side away from the hand, and the far sides of other parts. */
+static void hold_far_side(const ss_mesh *mesh, organ *o)
 {
-    for (int32_t g = 0; g < mesh->group_count; ++g) {
-        if (strcmp(mesh->group[g].name, q->fixed) == 0) {
-            name_group(q->fixed, o->fixed, sizeof o->fixed);
-            return;
-        }
-    }
-    if (strcmp(q->fixed, "none") == 0) {
-        return;
-    }
-    if (strcmp(q->fixed, "away") != 0) {
-        (void)snprintf(o->fixed, sizeof o->fixed, "%s", q->fixed);
-        return;
-    }
     double point[3];
     const double share = held_share(mesh, o);
     for (int k = 0; k < 3; ++k) {
@@ -172,6 +150,25 @@ static void choose(const organ_request *q, const ss_mesh *mesh, organ *o)
 softsim_status organ_choose_fixed(const organ_request *q, const ss_mesh *mesh, organ *o,
                                   softsim_error *error)
 {
-    choose(q, mesh, o);
-    return check(q, o, error);
+    for (int32_t g = 0; g < mesh->group_count; ++g) {
+        if (strcmp(mesh->group[g].name, q->fixed) == 0) {
+            name_group(q->fixed, o->fixed, sizeof o->fixed);
+            return SOFTSIM_OK;
+        }
+    }
+    if (strcmp(q->fixed, "away") == 0) {
+        hold_far_side(mesh, o);
+    } else if (q->fixed[0] == '{' && strchr(q->fixed, '\n') == NULL) {
+        (void)snprintf(o->fixed, sizeof o->fixed, "%s", q->fixed);
+    } else if (q->fixed[0] != '\0' && strcmp(q->fixed, "none") != 0) {
+        /* It would be YAML of another meaning. */
+        softsim_error_add(
+            error, SOFTSIM_ERROR_ARGUMENT,
+            "--fixed: '%.60s' is no group of %s; give away, none, one of its groups "
+            "(softsim-mesh info lists them), or an entry such as '{box_m: [[-1, -1, -1], [1, "
+            "1, 0]]}'",
+            q->fixed, q->mesh);
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
+    return SOFTSIM_OK;
 }

@@ -70,41 +70,59 @@ static void write_name(FILE *out, const organ_request *q, const char *end)
     ss_plain_print(out, "%.*s-%s", length, name, end);
 }
 
-static void write_mended_name(FILE *out, const organ_request *q, const organ *o)
+/* What remesh and tetrahedralize are to begin with: the mesh, or what convert makes of it. */
+static void write_start(FILE *out, const organ_request *q, const organ *o)
 {
-    if (o->is_repaired) {
-        write_name(out, q, "mended.obj");
+    if (o->has_volume || o->is_repaired) {
+        write_name(out, q, o->has_volume ? "surface.obj" : "mended.obj");
     } else {
         ss_plain_print(out, "%s", q->mesh);
     }
 }
 
-/* The commands that make a mesh of even edges, and the name of what they make. */
-static void write_evening(FILE *out, const organ_request *q, const organ *o)
+static void write_converting(FILE *out, const organ_request *q, const organ *o)
 {
-    const char *edges = o->has_volume ? "surface.obj" : "mended.obj";
-    if (o->is_repaired || o->has_volume) {
+    if (o->has_volume || o->is_repaired) {
         ss_plain_print(out, "softsim-mesh convert %s%s ", o->is_repaired ? "--repair " : "",
                        q->mesh);
-        write_name(out, q, edges);
+        write_start(out, q, o);
         ss_plain_print(out, "; ");
     }
+}
+
+static void write_remeshing(FILE *out, const organ_request *q, const organ *o, const char *made,
+                            double edge_mm)
+{
     ss_plain_print(out, "softsim-mesh remesh ");
-    if (o->is_repaired || o->has_volume) {
-        write_name(out, q, edges);
+    write_start(out, q, o);
+    ss_plain_print(out, " ");
+    write_name(out, q, made);
+    ss_plain_print(out, " --units %s --edge-mm %.3g; ", o->unit, edge_mm);
+}
+
+/* Of a surface that was made, or with NULL of what the commands start with. */
+static void write_tetrahedralizing(FILE *out, const organ_request *q, const organ *o,
+                                   const char *surface, const char *made)
+{
+    ss_plain_print(out, "softsim-mesh tetrahedralize ");
+    if (surface != NULL) {
+        write_name(out, q, surface);
     } else {
-        ss_plain_print(out, "%s", q->mesh);
+        write_start(out, q, o);
     }
     ss_plain_print(out, " ");
-    write_name(out, q, "even.obj");
-    ss_plain_print(out, " --units %s --edge-mm %.3g; ", o->unit,
-                   organ_round(1e3 * even_edge(q, o)));
+    write_name(out, q, made);
+    ss_plain_print(out, " --units %s --edge-mm %.3g", o->unit, filling_edge_mm(o));
+}
+
+/* The commands that make a mesh of even edges. */
+static void write_evening(FILE *out, const organ_request *q, const organ *o)
+{
+    write_converting(out, q, o);
+    write_remeshing(out, q, o, "even.obj", organ_round(1e3 * even_edge(q, o)));
     if (o->has_volume) {
-        ss_plain_print(out, "softsim-mesh tetrahedralize ");
-        write_name(out, q, "even.obj");
-        ss_plain_print(out, " ");
-        write_name(out, q, "even.msh");
-        ss_plain_print(out, " --units %s --edge-mm %.3g; ", o->unit, filling_edge_mm(o));
+        write_tetrahedralizing(out, q, o, "even.obj", "even.msh");
+        ss_plain_print(out, "; ");
     }
 }
 
@@ -153,29 +171,12 @@ static char *text_of(void (*write)(FILE *, const organ_request *, const organ *)
  * at shorter ones are many and small. */
 static void write_filling(FILE *out, const organ_request *q, const organ *o)
 {
-    const double edge_mm = filling_edge_mm(o);
-    const bool is_finer = 1e3 * o->edge < UNEVEN * edge_mm;
-    if (o->is_repaired) {
-        ss_plain_print(out, "softsim-mesh convert --repair %s ", q->mesh);
-        write_mended_name(out, q, o);
-        ss_plain_print(out, "; ");
-    }
+    const bool is_finer = 1e3 * o->edge < UNEVEN * filling_edge_mm(o);
+    write_converting(out, q, o);
     if (is_finer) {
-        ss_plain_print(out, "softsim-mesh remesh ");
-        write_mended_name(out, q, o);
-        ss_plain_print(out, " ");
-        write_name(out, q, "coarse.obj");
-        ss_plain_print(out, " --units %s --edge-mm %.3g; ", o->unit, edge_mm);
+        write_remeshing(out, q, o, "coarse.obj", filling_edge_mm(o));
     }
-    ss_plain_print(out, "softsim-mesh tetrahedralize ");
-    if (is_finer) {
-        write_name(out, q, "coarse.obj");
-    } else {
-        write_mended_name(out, q, o);
-    }
-    ss_plain_print(out, " ");
-    write_name(out, q, "filled.msh");
-    ss_plain_print(out, " --units %s --edge-mm %.3g", o->unit, edge_mm);
+    write_tetrahedralizing(out, q, o, is_finer ? "coarse.obj" : NULL, "filled.msh");
 }
 
 /* ---- before a scene is written ---- */
@@ -220,11 +221,12 @@ void organ_advise(const organ_request *q, const organ *o, softsim_error *error)
                           q->mesh, 1e3 * o->edge, text);
     }
     free(text);
-    if (o->part_count > 1 && strcmp(q->fixed, "away") != 0) {
+    if (o->part_count > 1 && o->boxed_count == 0) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
-                          "%s: of its %d separate parts each is to be held: leave --fixed out, "
-                          "join them, or give an entry that reaches each",
-                          q->mesh, o->part_count);
+                          "%s: of its %d separate parts each is to be held: %sjoin them, or give "
+                          "--fixed an entry that reaches each",
+                          q->mesh, o->part_count,
+                          strcmp(q->fixed, "away") != 0 ? "leave --fixed out, " : "");
     }
 }
 
@@ -251,8 +253,8 @@ static void warn_of_mesh(const organ_request *q, const organ *o)
                        "softsim-mesh: warning: %s: %s has %d separate parts: forces do not pass "
                        "between them%s; join them if they should be one\n",
                        q->out, q->mesh, o->part_count,
-                       o->unheld_count > 0 ? ", and each is held at its side away from the hand"
-                                           : "");
+                       o->boxed_count > 0 ? ", and each is held at its side away from the hand"
+                                          : "");
     }
     if (!o->is_closed && !o->has_volume) {
         ss_plain_print(stderr,

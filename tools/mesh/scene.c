@@ -443,7 +443,9 @@ static softsim_status try_model(const organ_request *q, ss_output *output, organ
             softsim_destroy(&world);
             world = open_draft(output, o, error);
             status = world != NULL ? find_place(q, world, o, error) : SOFTSIM_ERROR_SCENE;
-            (void)(status == SOFTSIM_OK && press(world, o, o->deepest));
+            if (status == SOFTSIM_OK) {
+                (void)press(world, o, o->deepest);
+            }
         }
         *out_is_good = is_in_time && o->trial.has_touched &&
                        (o->trial.verdict == SOFTSIM_VERDICT_GOOD || o->trial.is_of_place) &&
