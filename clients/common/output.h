@@ -9,13 +9,14 @@
  * synced and renamed.
  *
  * A recording is worth something while it is cut off too. It is written to NAME.part, flushed at
- * least once a second and between rows only, so that after a kill the file ends with a whole row;
- * at its end it is synced and renamed to NAME. One that ends before its time, by a signal too,
- * keeps the name NAME.part, which is said. On a full disk it is cut back to the last whole row
- * that found room, kept under the name NAME.part, and the fault names it. Writing to NAME itself
- * was rejected: a file of that name is then no longer a complete one. A NAME.part that a killed
- * program left is written over like NAME, one that is being written is refused.
- * Thread: one at a time.
+ * least once a second and between rows only, so that after a kill the file ends with a whole row,
+ * but for a kill within a write, which the kernel may cut at any page: who reads it leaves half a
+ * row out and says so. At its end it is synced and renamed to NAME. One that ends before its time,
+ * by a signal too, keeps the name NAME.part, which is said. On a full disk it is cut back to the
+ * last whole row that found room, kept under the name NAME.part, and the fault names it. Writing to
+ * NAME itself was rejected: a file of that name is then no longer a complete one. A NAME.part that
+ * a killed program left is written over like NAME, one that is being written is refused. Thread:
+ * one at a time.
  */
 #include <stdbool.h>
 #include <stdint.h>

@@ -9,6 +9,7 @@
  * sin(u a) q1) / sin a with cos a = |q0 . q1|; buttons of the row before.
  */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,6 +41,7 @@ typedef struct path_track {
 struct softsim_path {
     path_track track[SOFTSIM_MAX_PROBES];
     int32_t row_count;
+    int64_t cut_line;
 };
 
 /* The columns that are read, and which of them is what in a path and in what a bridge writes. */
@@ -139,6 +141,7 @@ static void read_rows(softsim_path *path, ss_csv *csv, softsim_error *error)
     const int32_t faults_before = error->fault_count;
     double row[WANTED], value[COLUMNS];
     csv->is_strict = true;
+    csv->is_recording = is_bridge;
     for (int got = 1; got != 0;) {
         got = ss_csv_next(csv, row, error);
         for (int i = 0; got > 0 && i < COLUMNS; ++i) {
@@ -156,6 +159,7 @@ static void read_rows(softsim_path *path, ss_csv *csv, softsim_error *error)
             return;
         }
     }
+    path->cut_line = csv->cut_line;
     if (path->row_count == 0 && error->fault_count == faults_before) {
         softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: no poses", csv->path);
     }
@@ -194,6 +198,15 @@ void softsim_path_free(softsim_path **path)
         free(*path);
         *path = NULL;
     }
+}
+
+bool softsim_path_note(const softsim_path *path, char *note, size_t note_size)
+{
+    if (path->cut_line > 0) {
+        snprintf(note, note_size, "line %lld is half a row, left out: its writer was killed",
+                 (long long)path->cut_line);
+    }
+    return path->cut_line > 0;
 }
 
 uint8_t softsim_path_probes(const softsim_path *path)

@@ -37,6 +37,7 @@ struct softsim_poses {
     double rate_hz;
     int64_t first_sample, sample, sample_end;
     int32_t probe; /* the next at this sample */
+    bool has_told_cut;
 };
 
 static bool ends_with(const char *text, const char *end)
@@ -114,11 +115,13 @@ void softsim_poses_rewind(softsim_poses *poses)
     poses->time_us = 0;
     poses->sample = poses->first_sample;
     poses->probe = 0;
+    poses->has_told_cut = false;
 }
 
 /* ---- CSV ---- */
 
-static softsim_poses_result next_of_path(softsim_poses *poses, softsim_pose_event *out)
+static softsim_poses_result next_of_path(softsim_poses *poses, softsim_pose_event *out, char *note,
+                                         size_t note_size)
 {
     double begin_s = 0.0;
     double end_s = 0.0;
@@ -137,6 +140,10 @@ static softsim_poses_result next_of_path(softsim_poses *poses, softsim_pose_even
         }
         poses->probe = 0;
         ++poses->sample;
+    }
+    if (!poses->has_told_cut && softsim_path_note(poses->path, note, note_size)) {
+        poses->has_told_cut = true;
+        return SOFTSIM_POSES_NOTE;
     }
     return SOFTSIM_POSES_END;
 }
@@ -220,7 +227,7 @@ static softsim_poses_result next_of_log(softsim_poses *poses, softsim_pose_event
 softsim_poses_result softsim_poses_next(softsim_poses *poses, softsim_pose_event *out_event,
                                         char *note, size_t note_size)
 {
-    return poses->path != NULL ? next_of_path(poses, out_event)
+    return poses->path != NULL ? next_of_path(poses, out_event, note, note_size)
                                : next_of_log(poses, out_event, note, note_size);
 }
 

@@ -110,10 +110,13 @@ void softsim_log_abandon(softsim_log_writer **writer);
 
 typedef struct softsim_path softsim_path;
 
-/* Reads a pose CSV whole; every fault is named with its line. */
+/* Reads a pose CSV whole; every fault is named with its line. Half a row at the end of what a
+ * bridge wrote is none: a kill may leave it, and it is left out. */
 softsim_status softsim_path_load(const char *path, softsim_path **out_path, softsim_error *error);
 /* Accepts NULL; nulls. */
 void softsim_path_free(softsim_path **path);
+/* Was one left out so? `note` says which line, without \n. */
+bool softsim_path_note(const softsim_path *path, char *note, size_t note_size);
 /* Bit n: probe n has rows. */
 uint8_t softsim_path_probes(const softsim_path *path);
 /* First and last time of the rows of `probe`; -1: of all probes together. A probe without rows

@@ -115,6 +115,7 @@ static int read_line(ss_csv *csv, char **out_text, softsim_error *error)
         }
         const size_t mark = strlen(SS_CSV_MARK);
         const bool is_marked = csv->line == 1 && strncmp(csv->text, SS_CSV_MARK, mark) == 0;
+        csv->is_ended = csv->text[length - 1] == '\n';
         *out_text = ss_csv_trim(csv->text + (is_marked ? mark : 0));
     }
     return *out_text != NULL ? 1 : 0;
@@ -198,6 +199,10 @@ int ss_csv_next(ss_csv *csv, double *out_value, softsim_error *error)
     const int got = read_line(csv, &text, error);
     if (got <= 0) {
         return got;
+    }
+    if (csv->is_recording && !csv->is_ended) {
+        csv->cut_line = csv->line;
+        return 0;
     }
     const int32_t count = ss_csv_split(text, cell, SS_CSV_MAX_COLUMNS);
     if (csv->is_strict && count != csv->column_count) {

@@ -30,6 +30,11 @@ typedef struct ss_csv {
     const char *path;
     int64_t line, head_line;
     bool is_strict; /* set by the caller: every row is finite numbers, as many as the head has */
+    /* Set by the caller, of a writer that ends every row: a last line without its end is half a row
+     * of one that was killed in a write. It is left out, and cut_line is its number, else 0. */
+    bool is_recording;
+    int64_t cut_line;
+    bool is_ended; /* has the line that was read last its end? */
     int32_t column_count, wanted_count;
     int32_t place[SS_CSV_MAX_WANTED]; /* of each wanted column in the file; -1: not there */
     char head[SS_CSV_LINE_SIZE], text[SS_CSV_LINE_SIZE];

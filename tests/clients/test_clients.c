@@ -591,6 +591,38 @@ TEST(what_a_bridge_writes_is_a_path)
     }
 }
 
+/* A kill in the middle of a write cuts the file at any byte: half a row is left out, and said once
+ * a pass. A row without its last digits would be taken for a whole one. */
+TEST(half_a_row_at_the_end_is_left_out)
+{
+    static const char row[] = "2,9,9,9,8,8,8,0.5,0.2,0.3,7,7,7,6.25\n";
+    for (size_t cut = 1; cut < sizeof row - 1; ++cut) {
+        char text[256], note[80];
+        softsim_error error = {.status = SOFTSIM_OK};
+        softsim_poses *poses = NULL;
+        softsim_pose_event event;
+        snprintf(text, sizeof text,
+                 BRIDGE "\n0,9,9,9,8,8,8,0.1,0,0,7,7,7,6\n1,9,9,9,8,8,8,0.2,0,0,7,7,7,6\n%.*s",
+                 (int)cut, row);
+        write_text("bridge.csv", text);
+        assert_int_equal(softsim_poses_open(in_folder("bridge.csv"), 1000.0, &poses, &error),
+                         SOFTSIM_OK);
+        for (int pass = 0; pass < 2; ++pass) {
+            for (int k = 0; k < 2; ++k) {
+                assert_int_equal(softsim_poses_next(poses, &event, note, sizeof note),
+                                 SOFTSIM_POSES_POSE);
+            }
+            assert_int_equal(softsim_poses_next(poses, &event, note, sizeof note),
+                             SOFTSIM_POSES_NOTE);
+            assert_non_null(strstr(note, "line 4 is half a row"));
+            assert_int_equal(softsim_poses_next(poses, &event, note, sizeof note),
+                             SOFTSIM_POSES_END);
+            softsim_poses_rewind(poses);
+        }
+        softsim_poses_close(&poses);
+    }
+}
+
 /* ---- poses of either ---- */
 
 TEST(csv_is_sampled_on_the_ticks)

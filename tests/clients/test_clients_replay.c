@@ -138,11 +138,12 @@ static recording make_recording(void)
 }
 
 /* It left records up to its end, nothing cut and nothing damaged, and no file with its own name. */
-static void expect_left(const recording *r, int least)
+/* A kill within a write may leave a part of a record besides. */
+static void expect_left(const recording *r, int least, bool is_killed)
 {
     int64_t rest = 0;
     assert_true(count_records(r->record_part, &rest) > least);
-    assert_int_equal(rest, 0);
+    assert_in_range(rest, 0, is_killed ? 28 + 16 + SS_WIRE_FORCE_SIZE : 0);
     assert_int_equal(access(r->csv, F_OK), -1);
     assert_int_equal(access(r->record, F_OK), -1);
 }
@@ -158,7 +159,7 @@ SERVED_TEST(stopped_replay_keeps_its_files)
     assert_non_null(strstr(stopped, r.csv_part));
     assert_non_null(strstr(stopped, r.record_part));
     assert_true(read_csv(r.csv_part) > 0);
-    expect_left(&r, 0);
+    expect_left(&r, 0, false);
 }
 
 SERVED_TEST(a_killed_replay_leaves_what_it_recorded)
@@ -173,8 +174,8 @@ SERVED_TEST(a_killed_replay_leaves_what_it_recorded)
     stop_server();
     assert_non_null(strstr(child.err, r.csv_part)); /* told while it could */
     assert_non_null(strstr(child.err, r.record_part));
-    assert_true(count_lines(r.csv_part) > 1);
-    expect_left(&r, 10);
+    assert_true(count_lines(r.csv_part, true) > 1);
+    expect_left(&r, 10, true);
     /* Nor may what was left be written over by who plays it. */
     const char *const over[] = {"softsim-replay", r.record_part, "--record", r.record, NULL};
     assert_int_equal(process_run(&child, over), 2);

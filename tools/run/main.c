@@ -193,7 +193,11 @@ static softsim_status open_poses(run *r, softsim_error *error)
     }
     const softsim_status status = softsim_path_load(path, &r->path, error);
     if (status == SOFTSIM_OK) {
+        char note[80];
         softsim_path_range(r->path, -1, &r->path_begin, &r->path_end);
+        if (softsim_path_note(r->path, note, sizeof note)) {
+            ss_plain_print(stderr, "softsim-run: %s: %s\n", path, note);
+        }
     }
     return status;
 }

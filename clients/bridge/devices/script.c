@@ -10,6 +10,7 @@
 
 #include "devices/script.h"
 #include "rt/memory.h"
+#include "rt/plain.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
 
@@ -63,6 +64,10 @@ softsim_status ss_script_create(const char *csv_path, double period_s, ss_device
     if (status != SOFTSIM_OK) {
         free(s);
         return status;
+    }
+    char note[80];
+    if (softsim_path_note(s->path, note, sizeof note)) {
+        ss_plain_print(stderr, "softsim-bridge: %s: %s\n", csv_path, note);
     }
     s->period_s = period_s;
     s->probe = __builtin_ctz(softsim_path_probes(s->path));
