@@ -23,6 +23,7 @@
 enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS };
 
 #define STOP_TIME 0.005 /* s: of a proxy whose grasp is let go */
+#define STAYED_M  0.01  /* a device that returns nearer than that to where it was has stayed */
 
 /* ---- poses ---- */
 
@@ -71,6 +72,9 @@ static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
         ss_observer_break(&haptic->observer);
     }
     if (is_new_holder || is_return) {
+        double way[3];
+        ss_sub3(way, pose->position, haptic->pose.position);
+        haptic->has_stayed = !is_new_holder && ss_norm3(way) < STAYED_M;
         ss_motion_rest(&haptic->motion);
     } else {
         ss_motion_take(&haptic->motion, &haptic->pose, pose, pose_interval(haptic, pose, tick));
@@ -522,8 +526,9 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
                              haptic->admission.held_back, haptic->ramp_from,
                              haptic->passivity.share};
     const uint8_t button = haptic->is_button_ignored ? 2 : haptic->is_pressed;
+    const uint8_t returned = haptic->has_stayed ? 2 : 0;
     const uint8_t flag[] = {haptic->slip.is_kept, haptic->slip.is_from_grasp, button,
-                            haptic->is_returning};
+                            haptic->is_returning | returned};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
         hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
     }

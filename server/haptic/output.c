@@ -126,6 +126,7 @@ void ss_haptic_write_target(ss_haptic *haptic, const ss_haptic_input *input, con
     target->teleports = haptic->teleports;
     target->entries = haptic->entries;
     target->restart_count = haptic->placed_restart_count;
+    target->has_stayed = haptic->has_stayed;
     ss_copy3(target->proxy, haptic->p);
     memcpy(target->orientation, ss_haptic_held_pose(haptic)->orientation,
            sizeof target->orientation);

@@ -15,6 +15,7 @@ struct ss_haptic {
     /* It came back before its ramp was over: what it left is ramped down first. */
     bool is_returning;
     softsim_pose left_pose;
+    bool has_stayed; /* it came back to where it was */
     ss_motion motion;
     bool is_pressed;
     bool is_button_ignored; /* the button has been down since before the proxy was placed: it is

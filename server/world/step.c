@@ -109,7 +109,8 @@ static bool find_free_pose(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
     } else if (probe->steps_unplaced < probe->next_search && !probe->search.is_begun) {
         return false;
     }
-    if (target->restart_count == probe->inward_restart_count) {
+    const bool is_as_before = target->has_stayed && probe->is_pressed_in;
+    if (target->restart_count == probe->inward_restart_count && !is_as_before) {
         ss_set3(probe->inward, 0.0, 0.0, 0.0); /* another device, or the same from elsewhere */
     }
     const ss_contact_exit_result result =
@@ -215,7 +216,8 @@ static void correct_for_travel(ss_world *world, ss_world_probe *probe, double tr
 static void note_touch(ss_world *world, ss_world_probe *probe)
 {
     const ss_contact_set *set = &probe->computed.set;
-    if (set->count > 0 && ss_norm3(set->force) > 0.0) {
+    probe->is_pressed_in = set->count > 0 && ss_norm3(set->force) > 0.0;
+    if (probe->is_pressed_in) {
         world->deformed_until = world->steps + (int64_t)ceil(DEFORMED_TIME / world->step_period);
         ss_scale3(probe->inward, set->normal, -1.0);
         probe->inward_restart_count = probe->step_target.restart_count;

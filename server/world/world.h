@@ -99,6 +99,7 @@ typedef struct ss_world_probe {
     double outward[3];             /* the way there */
     double inward[3];              /* unit: how it was last pressed into the tissue; 0 not known, */
     uint32_t inward_restart_count; /* and after which start */
+    bool is_pressed_in;            /* it was, when it was last in the world */
     ss_proxy_target step_target;   /* target of the step under way */
     ss_simulation_result computed; /* result of that step, until it is due */
     /* lockstep: the answer to the newest pose, for repeated ones */

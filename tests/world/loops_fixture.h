@@ -34,15 +34,17 @@ static inline void begin_step(ss_world *world)
     world->is_step_pending = true;
 }
 
-/* One tick of the two loops as with a clock between them, with a command or NULL. Simulation first:
- * it comes between the haptic tick and the step that follows at once. Haptic first: while a step is
- * under way, which takes LATE_TICKS more. */
+/* One tick of the two loops as with a clock between them, with a pose, a command or NULL.
+ * Simulation first: it comes between the haptic tick and the step that follows at once. Haptic
+ * first: while a step is under way, which takes LATE_TICKS more. */
 static inline softsim_force turn(ss_world *world, heard way, const softsim_pose *pose,
                                  const char *name, int *inout_late)
 {
-    const ss_pose_record in = {.pose = *pose, .sender_epoch = 1};
     ss_force_record out = {.force = {.seq = -1}};
-    ss_ring_push(world->probe[0].poses, &in);
+    if (pose != NULL) {
+        const ss_pose_record in = {.pose = *pose, .sender_epoch = 1};
+        ss_ring_push(world->probe[0].poses, &in);
+    }
     const int64_t tick = ++world->tick;
     if (name && way == HAPTIC_FIRST) {
         if (!world->is_step_pending) {

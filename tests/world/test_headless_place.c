@@ -152,6 +152,44 @@ TEST(a_tool_that_moved_is_felt_as_one_that_was_pressed)
     assert_true(is_good);
 }
 
+/* ---- silent for a while ---- */
+
+/* Pressed in, silent for so long, and there again. `out_before` and `out_after`: N, along the press
+ * against the hand. */
+static void fall_silent(const body *b, double depth, double limit, int silence, double *out_before,
+                        double *out_after)
+{
+    softsim_world *world = make_world(b, limit);
+    int late = 0;
+    for (int n = 0; n < HELD + silence + RAMP + ENTRY + 300; ++n) {
+        double x[3];
+        at(b, (depth + 0.030) * smooth(n / 600.0) - 0.030, 0.0, x);
+        const softsim_pose pose = pose_of(n + 1, x);
+        const bool is_silent = n >= HELD && n < HELD + silence;
+        const softsim_force force =
+            turn(ss_world_of(world), SIMULATION_FIRST, is_silent ? NULL : &pose, NULL, &late);
+        *(n < HELD ? out_before : out_after) = -ss_dot3(force.force, b->in);
+    }
+    softsim_destroy(&world);
+}
+
+/* Nearer to the far side of what it was pressed through, it is not let out there. (The kidney, 20
+ * mm deep, rests in two ways that differ by 6 %.) */
+TEST(a_device_that_fell_silent_goes_out_the_way_it_came)
+{
+    SKIP_WHERE_REPEATED();
+    static const int body_of[] = {2, 0, 6};
+    static const double limits[] = {30.0, 1.0};
+    for (int k = 0; k < FULL_IN_RELEASE(6, 2); ++k) {
+        const body *b = &bodies[body_of[k / 2]];
+        double before = 0.0, after = 0.0;
+        fall_silent(b, b->depth, limits[k % 2], 60, &before, &after);
+        print_message("%s, limit %g N: %.3f N, after a silence %.3f N\n", b->name, limits[k % 2],
+                      before, after);
+        assert_true(fabs(after - before) < 0.1 * before);
+    }
+}
+
 /* ---- a touch just after ---- */
 
 /* Down from `above` at `speed`, `wait` ticks after the first pose; forces from then on. */
