@@ -380,6 +380,95 @@ TEST_WITH(a_cylinder_of_80_sides_is_felt, make_folder, remove_folder)
     assert_non_null(strstr(out, " mm: good\n"));
 }
 
+/* ---- kinds of bodies ---- */
+
+/* A ball of 80 mm by `slices` from pole to pole and half as many rings; each triangle with nodes of
+ * its own (a soup), or with a hollow of `hollow` mm inside. */
+static void write_ball(int slices, bool is_soup, double hollow)
+{
+    FILE *file = open_file("ball.obj");
+    const int rings = slices / 2, skins = hollow > 0.0 ? 2 : 1;
+    int node = 0;
+    for (int n = 0; n < skins * 2 * slices * rings; ++n) {
+        const int skin = n / (2 * slices * rings), half = n % 2, i = n / 2 % slices;
+        const int j = n / (2 * slices) % rings;
+        const int corner[2][3][2] = {{{i, j}, {i, j + 1}, {i + 1, j + 1}},
+                                     {{i, j}, {i + 1, j + 1}, {i + 1, j}}};
+        if (j == (half == 0 ? rings - 1 : 0)) {
+            continue; /* flat at a pole */
+        }
+        for (int k = 0; k < 3; ++k) {
+            const double polar = M_PI * corner[half][k][1] / rings;
+            const double around = 2.0 * M_PI * (corner[half][k][0] % slices) / slices;
+            const double radius = skin == 0 ? 40.0 : hollow;
+            const bool is_pole = corner[half][k][1] % rings == 0;
+            (void)fprintf(file, "v %.9g %.9g %.9g\n",
+                          is_pole ? 0.0 : radius * sin(polar) * cos(around),
+                          is_pole ? 0.0 : radius * sin(polar) * sin(around), radius * cos(polar));
+        }
+        (void)fprintf(file, "f %d %d %d\n", node + 1, node + (skin == 0 ? 2 : 3),
+                      node + (skin == 0 ? 3 : 2));
+        node += 3;
+    }
+    assert_int_equal(fclose(file), 0);
+    if (!is_soup) {
+        run_tool("convert ball.obj ball.obj --repair --overwrite");
+    }
+}
+
+/* Triangles that share no node are stitched; within a skin another is a hollow of the same body. */
+TEST_WITH(a_soup_and_a_hollow_body_are_one_body, make_folder, remove_folder)
+{
+    for (int k = 0; k < 2; ++k) {
+        write_ball(24, k == 0, k == 0 ? 0.0 : 20.0);
+        assert_int_equal(run(TOOL "scene ball.obj --tissue liver --out o.yaml", out, sizeof out),
+                         0);
+        assert_non_null(strstr(out, k == 0 ? " 266 nodes" : " 532 nodes"));
+        assert_null(strstr(out, "separate parts"));
+        assert_non_null(strstr(out, " mm: good\n"));
+    }
+}
+
+/* 200 triangles at a pole are more than a model takes: the command that is told mends it. */
+TEST_WITH(a_fan_is_refused_with_what_mends_it, make_folder, remove_folder)
+{
+    write_ball(200, false, 0.0);
+    assert_int_equal(run(TOOL "scene ball.obj --tissue liver --out o.yaml", out, sizeof out), 2);
+    assert_non_null(strstr(out, "has 200 triangles around it"));
+    assert_int_equal(access(in_folder("o.yaml"), F_OK), -1);
+    run_told("do not suit a hand's tool: ");
+    expect_even(" mm: good\n");
+}
+
+/* Only fem-quadratic takes second-order tetrahedra, whatever the scene is for. */
+TEST_WITH(second_order_is_quadratic, make_folder, remove_folder)
+{
+    static const char *const purposes[] = {"feel", "accuracy", "speed"};
+    char command[256];
+    run_tool("generate kidney --tetrahedra --order 2 --points 400 --out q.vtk");
+    for (int k = 0; k < 3; ++k) {
+        (void)snprintf(command, sizeof command,
+                       TOOL "scene q.vtk --tissue kidney --for %s --out o.yaml", purposes[k]);
+        assert_int_equal(run(command, out, sizeof out), 0);
+        assert_non_null(strstr(out, "o.yaml: fem-quadratic, "));
+    }
+    assert_int_equal(
+        run(TOOL "scene q.vtk --tissue kidney --model fem --out n.yaml", out, sizeof out), 2);
+    assert_non_null(strstr(out, "--order 1"));
+}
+
+/* A body of 25 is one in centimetres and in millimetres. */
+TEST_WITH(two_units_that_would_do_are_told, make_folder, remove_folder)
+{
+    run_tool("generate block --size-mm 25,13,10 --points 300 --out block.obj");
+    assert_int_equal(run(TOOL "scene block.obj --tissue kidney --out o.yaml", out, sizeof out), 0);
+    assert_non_null(strstr(out, "warning: o.yaml: the mesh's unit was judged: in cm "));
+    assert_non_null(strstr(out, "mm would do too"));
+    assert_int_equal(
+        run(TOOL "scene block.obj --tissue kidney --units mm --out o.yaml", out, sizeof out), 0);
+    assert_null(strstr(out, "would do too"));
+}
+
 /* A tool that finds nothing to press where it is sent is not called good: 8 nodes, a corner. */
 TEST_WITH(what_is_not_touched_is_not_called_good, make_folder, remove_folder)
 {

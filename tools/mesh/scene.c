@@ -494,7 +494,10 @@ static int next_model(const organ *o, const char *const name[], int at, int coun
 static softsim_status choose_model(const organ_request *q, ss_output *output, organ *o,
                                    softsim_error *error)
 {
-    const char *const *name = q->model != NULL ? &q->model : wanted[q->purpose];
+    /* For speed no model is wanted that takes second-order elements. */
+    const char *const *name = q->model != NULL     ? &q->model
+                              : o->is_second_order ? wanted[ORGAN_FOR_ACCURACY]
+                                                   : wanted[q->purpose];
     const int count = q->model != NULL ? 1 : MAX_MODELS;
     softsim_status status = SOFTSIM_ERROR_UNSUPPORTED;
     bool is_good = false;
