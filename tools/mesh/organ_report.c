@@ -5,6 +5,7 @@
  * good, or its mesh is coarse or slow, a surface of even edges comes next: edges as long as the
  * tool's radius are what a press needs, and no more of them are paid for.
  */
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,13 +62,40 @@ static bool helps_to_even(const organ_request *q, const organ *o)
             (!o->has_volume && is_slow(o) && o->edge < UNEVEN * edge));
 }
 
+/* A word of the shell's: in quotes where it would be read as something else. */
+static void write_word(FILE *out, const char *text)
+{
+    static const char harmless[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                   "._/+:@%=,-";
+    bool is_harmless = *text != '\0';
+    for (const char *c = text; *c != '\0'; ++c) {
+        is_harmless = is_harmless && ((*c & 0x80) != 0 || strchr(harmless, *c) != NULL);
+    }
+    if (is_harmless) {
+        ss_plain_print(out, "%s", text);
+        return;
+    }
+    ss_plain_print(out, "'");
+    for (size_t length; *text != '\0'; text += length) {
+        length = strcspn(text, "'");
+        ss_plain_print(out, "%.*s", (int)length, text);
+        if (text[length] == '\'') {
+            ss_plain_print(out, "'\\''");
+            ++length;
+        }
+    }
+    ss_plain_print(out, "'");
+}
+
 /* A file beside where the user works, named after the mesh: `liver-even.obj`. */
 static void write_name(FILE *out, const organ_request *q, const char *end)
 {
     const char *slash = strrchr(q->mesh, '/'), *name = slash != NULL ? slash + 1 : q->mesh;
     const char *dot = strrchr(name, '.');
     const int length = dot != NULL && dot > name ? (int)(dot - name) : (int)strlen(name);
-    ss_plain_print(out, "%.*s-%s", length, name, end);
+    char made[NAME_MAX + 32];
+    (void)snprintf(made, sizeof made, "%s%.*s-%s", *name == '-' ? "./" : "", length, name, end);
+    write_word(out, made);
 }
 
 /* What remesh and tetrahedralize are to begin with: the mesh, or what convert makes of it. */
@@ -76,15 +104,16 @@ static void write_start(FILE *out, const organ_request *q, const organ *o)
     if (o->has_volume || o->is_repaired) {
         write_name(out, q, o->has_volume ? "surface.obj" : "mended.obj");
     } else {
-        ss_plain_print(out, "%s", q->mesh);
+        write_word(out, q->mesh);
     }
 }
 
 static void write_converting(FILE *out, const organ_request *q, const organ *o)
 {
     if (o->has_volume || o->is_repaired) {
-        ss_plain_print(out, "softsim-mesh convert %s%s ", o->is_repaired ? "--repair " : "",
-                       q->mesh);
+        ss_plain_print(out, "softsim-mesh convert %s", o->is_repaired ? "--repair " : "");
+        write_word(out, q->mesh);
+        ss_plain_print(out, " ");
         write_start(out, q, o);
         ss_plain_print(out, "; ");
     }
@@ -139,7 +168,8 @@ static void write_again(FILE *out, const organ_request *q, const organ *o)
         ss_plain_print(out, " --model %s", q->model);
     }
     if (strcmp(q->fixed, "away") != 0) {
-        ss_plain_print(out, " --fixed '%s'", q->fixed);
+        ss_plain_print(out, " --fixed ");
+        write_word(out, q->fixed);
     }
     if (strcmp(o->axes, "x,y,z") != 0) {
         ss_plain_print(out, " --from %s", o->side);
@@ -147,7 +177,8 @@ static void write_again(FILE *out, const organ_request *q, const organ *o)
     if (q->tool_mm > 0.0) {
         ss_plain_print(out, " --tool-mm %g", q->tool_mm);
     }
-    ss_plain_print(out, " --out %s", q->out);
+    ss_plain_print(out, " --out ");
+    write_word(out, q->out);
 }
 
 /* As an argument of an error, which is to be freed. */
@@ -341,10 +372,9 @@ static void tell_next(const organ_request *q, const organ *o)
         write_even_scene(stdout, q, o);
         ss_plain_print(stdout, "\n");
     }
-    ss_plain_print(stdout,
-                   "%s: softsimd %s, and in another terminal softsim-bridge --device sim "
-                   "--duration 8",
-                   helps_to_even(q, o) ? "as it is" : "next", q->out);
+    (void)printf("%s: softsimd ", helps_to_even(q, o) ? "as it is" : "next");
+    write_word(stdout, q->out);
+    (void)printf(", and in another terminal softsim-bridge --device sim --duration 8");
     if (strcmp(o->axes, "x,y,z") != 0) {
         (void)printf(" --axes %s", o->axes);
     }
