@@ -20,7 +20,6 @@ typedef struct ss_hints_body {
     double size;                                   /* m, the body's diagonal */
     double thickness; /* m, of a surface: volume over area, or 2 % of the size if it is open */
     bool is_closed;
-    bool is_free; /* nothing holds it */
 } ss_hints_body;
 
 /* The body, and the numbers that a calibration has chosen. */

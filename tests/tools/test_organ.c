@@ -223,7 +223,6 @@ TEST_WITH(the_held_part_is_chosen_or_as_asked, make_folder, remove_folder)
         const char *option, *says, *checked;
     } cases[] = {
         {"", "    - {plane: {point_m: [", NULL},
-        {"--fixed none", "# fixed: nothing is held", "fixed: 0 of "},
         {"--fixed bottom", "    - {group: \"bottom\"}", NULL},
         {"--fixed '{box_m: [[-1, -1, -1], [1, 1, -0.01]]}'", "    - {box_m: [[-1, -1, -1]", NULL},
         {"--from -z", "normal: [0, 0, -1]", NULL},
@@ -380,6 +379,30 @@ TEST_WITH(a_cylinder_of_80_sides_is_felt, make_folder, remove_folder)
     assert_non_null(strstr(out, " mm: good\n"));
 }
 
+/* A slender body is to keep its shape: edges that are told are not longer than that allows, and
+ * longer ones are refused, or warned of. */
+TEST_WITH(a_rod_keeps_its_volume, make_folder, remove_folder)
+{
+    assert_int_equal(
+        run("awk 'BEGIN{n = 24; m = 240; for (k = 0; k <= m; ++k) for (i = 0; i < n; ++i) printf "
+            "\"v %g %g %g\\n\", 5 * cos(6.2831853 * i / n), 5 * sin(6.2831853 * i / n), 300 * k / "
+            "m; print \"v 0 0 0\"; print \"v 0 0 300\"; c = n * (m + 1); for (i = 0; i < n; ++i) "
+            "{j = (i + 1) % n; print \"f\", c + 1, j + 1, i + 1; print \"f\", c + 2, n * m + i + "
+            "1, n * m + j + 1; for (k = 0; k < m; ++k) {a = n * k; print \"f\", a + i + 1, a + j + "
+            "1, a + n + j + 1; print \"f\", a + i + 1, a + n + j + 1, a + n + i + 1}}}' > rod.obj",
+            out, sizeof out),
+        0);
+    assert_int_equal(run(TOOL "remesh rod.obj r.obj --units mm --edge-mm 9.1", out, sizeof out), 2);
+    assert_non_null(strstr(out, "too long for what is thin of it"));
+    assert_int_equal(access(in_folder("r.obj"), F_OK), -1);
+    assert_int_equal(
+        run(TOOL "scene rod.obj --tissue kidney --from +x --out o.yaml", out, sizeof out), 0);
+    run_told("fill it: ");
+    const double before = number_after(out, "slivers, volume ");
+    const double after = number_after(strstr(out, "rod-coarse.obj: "), "slivers, volume ");
+    assert_true(fabs(after - before) < 0.08 * before);
+}
+
 /* ---- kinds of bodies ---- */
 
 /* A ball of 80 mm by `slices` from pole to pole and half as many rings; each triangle with nodes of
@@ -442,6 +465,40 @@ TEST_WITH(a_fan_is_refused_with_what_mends_it, make_folder, remove_folder)
     assert_int_equal(access(in_folder("o.yaml"), F_OK), -1);
     run_told("do not suit a hand's tool: ");
     expect_even(" mm: good\n");
+}
+
+/* Linear tetrahedra that press far harder than Hertz give way, where the quadratic ones are not in
+ * time; the coarser mesh that is told is for them. A limit that a model lowered is not the next
+ * one's. */
+TEST_WITH(a_stiff_model_gives_way_and_a_coarser_mesh_is_told, make_folder, remove_folder)
+{
+    run_tool("generate kidney --tetrahedra --points 1000 --out k.msh");
+    assert_int_equal(
+        run(TOOL "scene k.msh --tissue kidney --for accuracy --out o.yaml", out, sizeof out), 0);
+    assert_non_null(strstr(out, "o.yaml: cnn-energy"));
+    assert_non_null(strstr(out, "times Hertz's force)"));
+    assert_null(strstr(out, "(the force limit)"));
+    run_told("for models with physical constants, a coarser mesh: ");
+    assert_int_equal(run(TOOL "scene k-filled.msh --units mm --tissue kidney --for accuracy --out "
+                              "f.yaml",
+                         out, sizeof out),
+                     0);
+    assert_non_null(strstr(out, "f.yaml: fem-quadratic"));
+    const double ratio = number_after(out, "of indentation, ");
+    assert_true(ratio > 0.7 && ratio < 1.4);
+}
+
+/* A force that is held by the limit is not the tissue's: not good. */
+TEST_WITH(a_press_that_ends_at_the_limit_is_told, make_folder, remove_folder)
+{
+    run_tool("generate ellipsoid --tetrahedra --size-mm 60,40,40 --points 600 --out v.msh");
+    assert_int_equal(run(TOOL "scene v.msh --tissue heart --units mm --model fem-quadratic --out "
+                              "o.yaml; cat o.yaml",
+                         out, sizeof out),
+                     0);
+    const double limit = number_after(out, "max_force_n: ");
+    const double deepest = number_after(out, "that the surface went; ");
+    assert_true((strstr(out, " N (the force limit) at ") != NULL) == (deepest > 0.95 * limit));
 }
 
 /* Only fem-quadratic takes second-order tetrahedra, whatever the scene is for. */
@@ -565,6 +622,14 @@ TEST_WITH(bad_arguments_are_named_and_write_nothing, make_folder, remove_folder)
         {"scene k.obj --tissue liver --out o.yaml --fixed '{box_m: [['", 2, "o.yaml:"},
         {"scene k.obj --tissue liver --out o.yaml --fixed '{group: none}'", 2, "no group 'none'"},
         {"scene k.obj --tissue liver --out o.yaml --fixed skin", 2, "--fixed: 'skin' is "},
+        {"scene k.obj --tissue liver --out o.yaml --fixed none", 2, "--fixed: 'none' is no group"},
+        {"scene k.obj --tissue liver --out o.yaml --fixed \"{nodes: [$(seq -s, 0 3000)]}\"", 2,
+         "--fixed: longer than 2047"},
+        {"scene k.obj --tissue liver --out o.yaml --fixed \"$(printf '{a: 1}\\rb: 2')\"", 2,
+         "--fixed: '{a: 1}?b: 2' is no group"},
+        {"scene k.obj --tissue liver --model hybrid --out o.yaml", 2, "needs tetrahedra"},
+        {"scene k.obj --tissue liver --model mass-spring --out o.yaml", 2, "a scene by hand"},
+        {"scene \"$(printf 'k\\377.obj')\" --tissue liver --out o.yaml", 2, "is no UTF-8"},
         {"scene k.obj --tissue liver --out o.yaml --fixed '{plane: {point_m: [0, 0, 1], normal: "
          "[0, 0, "
          "1]}}'",
@@ -580,6 +645,7 @@ TEST_WITH(bad_arguments_are_named_and_write_nothing, make_folder, remove_folder)
          2, "o.yaml:"},
     };
     run_tool("generate kidney --points 100 --out k.obj");
+    assert_int_equal(run("cp k.obj \"$(printf 'k\\377.obj')\"", out, sizeof out), 0);
     expect_answers(rows, sizeof rows / sizeof *rows);
     assert_int_equal(access(in_folder("o.yaml"), F_OK), -1);
 }

@@ -127,13 +127,19 @@ static softsim_status judge(const conversion *c, const ss_mesh *mesh, softsim_er
     return status;
 }
 
+/* Of the triangles: a repair that leaves less is told. */
+static const double LEAST_KEPT = 0.5;
+
 static softsim_status mend(const conversion *c, ss_mesh **inout_mesh, softsim_error *error)
 {
     ss_mesh *mended = NULL;
     ss_mesh_repairs done;
-    const softsim_status status = ss_mesh_repair(*inout_mesh, &mended, &done, error);
+    softsim_error why = {0};
+    const int32_t triangle_count = (*inout_mesh)->triangle_count;
+    const softsim_status status = ss_mesh_repair(*inout_mesh, &mended, &done, &why);
     print_repairs(c->path[0], *inout_mesh, &done);
     if (status != SOFTSIM_OK) {
+        softsim_error_add(error, status, "%s: it cannot be mended: %s", c->path[0], why.text);
         /* To look at, as it was read. */
         if (c->vtk != NULL && status == SOFTSIM_ERROR_MESH) {
             (void)judge(c, *inout_mesh, NULL);
@@ -142,6 +148,12 @@ static softsim_status mend(const conversion *c, ss_mesh **inout_mesh, softsim_er
     }
     ss_mesh_destroy(inout_mesh);
     *inout_mesh = mended;
+    if (mended->triangle_count < LEAST_KEPT * triangle_count) {
+        ss_plain_print(stderr,
+                       "softsim-mesh: warning: %s: %d of %d triangles are left: see above what "
+                       "became of the others\n",
+                       c->path[0], mended->triangle_count, triangle_count);
+    }
     const double scale = scale_of(c);
     for (int32_t i = 0; i < mended->node_count && is_rounded_by(c->path[1]); ++i) {
         for (int k = 0; k < 3; ++k) {

@@ -185,9 +185,10 @@ static void take_size(const char *text, const char *option, const double standar
     }
     const bool is_read =
         sscanf(text, "%lf,%lf,%lf%n", &out[0], &out[1], &out[2], &end) == 3 && text[end] == '\0';
+    const bool is_finite = isfinite(out[0]) && isfinite(out[1]) && isfinite(out[2]);
     const double least = is_read ? fmin(out[0], fmin(out[1], out[2])) : 0.0;
     const double greatest = is_read ? fmax(out[0], fmax(out[1], out[2])) : INFINITY;
-    if (!(least >= 1.0 && greatest <= 1e6 && greatest <= 10.0 * least)) {
+    if (!(is_finite && least >= 1.0 && greatest <= 1e6 && greatest <= 10.0 * least)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "%s: '%s' is not X,Y,Z: three lengths of 1 to 1e6, none more than 10 "
                           "times another",

@@ -55,8 +55,11 @@ typedef struct organ {
     double deepest;      /* as deep as the simulated hand goes */
     double hand_scale;   /* world metres a metre of that hand */
     double working_force, max_force;
+    double planned_max_force; /* that a model's contact may lower */
 
-    int32_t boxed_count; /* parts that the side away from the hand has nothing of: held by boxes */
+    /* Parts that the side away from the hand has nothing of: held by boxes, or too many for that.
+     */
+    int32_t boxed_count, loose_count;
 
     /* of the scene, once it is loaded */
     bool is_rounded; /* its corners are not where they are felt */
@@ -72,6 +75,8 @@ typedef struct organ {
 softsim_status organ_choose_unit(organ *o, const char *path, int32_t given, ss_mesh *mesh,
                                  softsim_error *error);
 
+/* May it stand in a line of the scene? */
+bool organ_is_text(const char *text);
 /* From the side away from the hand to its own. */
 double organ_height(const organ *o);
 /* What is held, into o->fixed; an error: it was asked for in words of no meaning. */
@@ -82,6 +87,8 @@ softsim_status organ_choose_fixed(const organ_request *q, const ss_mesh *mesh, o
 double organ_round(double x);
 /* The force of the press that was held, over Hertz's for the way that the surface went. */
 double organ_ratio(const organ *o);
+/* Are linear tetrahedra so much too stiff there that another model is better? */
+bool organ_is_stiff(const organ *o);
 /* Why a model of tetrahedra cannot have this surface, and the commands that fill it. */
 softsim_status organ_refuse_surface(const organ_request *q, const organ *o, softsim_error *error);
 /* Adds to the fault of a scene that could not be made what would make one, where that is known. */

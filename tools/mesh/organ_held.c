@@ -14,6 +14,7 @@
 #include "rt/vec.h"
 
 enum { HELD_STEPS = 5, MAX_HELD_PARTS = 16 };
+static const double APART = 1e-6;      /* of the diagonal: nodes at one place, or in a line */
 static const double HELD_SHARE = 0.15; /* of the body's height, away from the hand */
 static const double HELD_MORE = 0.05;  /* of it, a step, while less is held than */
 static const double LEAST_HELD = 0.1;  /* of the surface's corners: rounded bodies stand on few */
@@ -69,12 +70,27 @@ static double held_share(const ss_mesh *mesh, const organ *o)
 
 typedef struct part {
     double low[3], high[3];
-    bool is_held;
+    const double *held[2]; /* of those nodes the first, and one that lies apart from it */
+    bool is_held;          /* three that are not in a line */
 } part;
 
-/* Boxes of the bodies, and whether the plane holds some of each. */
-static void measure_parts(const ss_mesh *mesh, const organ *o, double share, const int32_t *body,
-                          part *parts)
+static void hold_node(part *own, const double x[3], double diagonal)
+{
+    double along[3], way[3], normal[3];
+    own->held[0] = own->held[0] != NULL ? own->held[0] : x;
+    ss_sub3(way, x, own->held[0]);
+    if (own->held[1] == NULL) {
+        own->held[1] = ss_norm3(way) > APART * diagonal ? x : NULL;
+        return;
+    }
+    ss_sub3(along, own->held[1], own->held[0]);
+    ss_cross3(normal, along, way);
+    own->is_held = own->is_held || ss_norm3(normal) > APART * diagonal * ss_norm3(along);
+}
+
+/* Boxes of the bodies, and whether the plane through `point` holds each. */
+static void measure_parts(const ss_mesh *mesh, const organ *o, const double point[3],
+                          const int32_t *body, part *parts)
 {
     for (int32_t i = 0; i < o->part_count; ++i) {
         ss_set3(parts[i].low, INFINITY, INFINITY, INFINITY);
@@ -88,7 +104,11 @@ static void measure_parts(const ss_mesh *mesh, const organ *o, double share, con
             own->high[k] = fmax(own->high[k], x[k]);
         }
         if (own != NULL) {
-            own->is_held = own->is_held || above_far_side(o, x) <= share * organ_height(o);
+            double up[3];
+            ss_sub3(up, x, point);
+            if (ss_dot3(up, o->towards) <= 0.0) {
+                hold_node(own, x, o->diagonal);
+            }
         }
     }
 }
@@ -110,17 +130,16 @@ static void hold_part(organ *o, const part *own)
 
 /* Of parts that the plane has nothing of, which would fly off, their own far side is held; of more
  * than can be listed, none. */
-static void hold_parts(const ss_mesh *mesh, organ *o, double share)
+static void hold_parts(const ss_mesh *mesh, organ *o, const double point[3])
 {
     int32_t *body = ss_memory_get((size_t)mesh->node_count, sizeof *body);
     part *parts = ss_memory_get((size_t)o->part_count + 1, sizeof *parts);
     if (body != NULL && parts != NULL && ss_mesh_find_bodies(mesh, body) == o->part_count) {
-        int32_t loose = 0;
-        measure_parts(mesh, o, share, body, parts);
+        measure_parts(mesh, o, point, body, parts);
         for (int32_t i = 0; i < o->part_count; ++i) {
-            loose += !parts[i].is_held;
+            o->loose_count += !parts[i].is_held;
         }
-        for (int32_t i = 0; i < o->part_count && loose <= MAX_HELD_PARTS; ++i) {
+        for (int32_t i = 0; i < o->part_count && o->loose_count <= MAX_HELD_PARTS; ++i) {
             if (!parts[i].is_held) {
                 hold_part(o, &parts[i]);
                 ++o->boxed_count;
@@ -140,11 +159,12 @@ static void hold_far_side(const ss_mesh *mesh, organ *o)
         const double a = o->towards[k];
         point[k] =
             0.5 * (o->low[k] + o->high[k]) - (0.5 - share) * a * fabs(a) * (o->high[k] - o->low[k]);
+        point[k] = 1e-4 * round(1e4 * point[k]); /* as it is written */
     }
     (void)snprintf(o->fixed, sizeof o->fixed,
                    "{plane: {point_m: [%.4f, %.4f, %.4f], normal: [%g, %g, %g]}}", point[0],
                    point[1], point[2], o->towards[0], o->towards[1], o->towards[2]);
-    hold_parts(mesh, o, share);
+    hold_parts(mesh, o, point);
 }
 
 softsim_status organ_choose_fixed(const organ_request *q, const ss_mesh *mesh, organ *o,
@@ -158,13 +178,20 @@ softsim_status organ_choose_fixed(const organ_request *q, const ss_mesh *mesh, o
     }
     if (strcmp(q->fixed, "away") == 0) {
         hold_far_side(mesh, o);
-    } else if (q->fixed[0] == '{' && strchr(q->fixed, '\n') == NULL) {
+    } else if (strlen(q->fixed) >= sizeof o->fixed) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_ARGUMENT,
+            "--fixed: longer than %zu characters: give a plane, a box or a group, and "
+            "long lists in the scene that is written",
+            sizeof o->fixed - 1);
+        return SOFTSIM_ERROR_ARGUMENT;
+    } else if (q->fixed[0] == '{' && organ_is_text(q->fixed)) {
         (void)snprintf(o->fixed, sizeof o->fixed, "%s", q->fixed);
-    } else if (q->fixed[0] != '\0' && strcmp(q->fixed, "none") != 0) {
+    } else {
         /* It would be YAML of another meaning. */
         softsim_error_add(
             error, SOFTSIM_ERROR_ARGUMENT,
-            "--fixed: '%.60s' is no group of %s; give away, none, one of its groups "
+            "--fixed: '%.60s' is no group of %s; give away, one of its groups "
             "(softsim-mesh info lists them), or an entry such as '{box_m: [[-1, -1, -1], [1, "
             "1, 0]]}'",
             q->fixed, q->mesh);

@@ -222,6 +222,21 @@ static softsim_status run_gnuplot(FILE *script, const ss_output *picture, softsi
     return SOFTSIM_OK;
 }
 
+/* A PNG ends with a chunk of this name and its sum: gnuplot tells of no full disk. */
+static bool is_whole(const ss_output *picture)
+{
+    static const char end[] = "IEND\xae"
+                              "B`\x82";
+    char found[sizeof end - 1] = "";
+    FILE *file = picture->temporary != NULL ? fopen(picture->temporary, "rb") : NULL;
+    const bool is_read = file != NULL && fseek(file, -(long)sizeof found, SEEK_END) == 0 &&
+                         fread(found, sizeof found, 1, file) == 1;
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return picture->temporary == NULL || (is_read && memcmp(found, end, sizeof found) == 0);
+}
+
 softsim_status organ_draw(const organ *o, const ss_touch_body *body, const char *path,
                           softsim_error *error)
 {
@@ -237,7 +252,10 @@ softsim_status organ_draw(const organ *o, const ss_touch_body *body, const char 
         const bool is_written = fflush(script) == 0 && fseek(script, 0, SEEK_SET) == 0;
         status = is_written ? run_gnuplot(script, &picture, error) : SOFTSIM_ERROR_FILE;
     }
-    if (status == SOFTSIM_OK) {
+    if (status == SOFTSIM_OK && !is_whole(&picture)) {
+        status = SOFTSIM_ERROR_FILE;
+        softsim_error_add(error, status, "%s: cannot be written whole: is the disk full?", path);
+    } else if (status == SOFTSIM_OK) {
         status = leftover_commit(&picture, error);
     } else if (error->fault_count == 0) {
         softsim_error_add(error, status,

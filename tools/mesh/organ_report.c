@@ -31,10 +31,17 @@ double organ_ratio(const organ *o)
     return hertz > 0.0 ? o->trial.held.force / hertz : 0.0;
 }
 
+/* Edges that a thin body keeps its shape with: V / A is half a plate's thickness, a quarter of a
+ * rod's and a sixth of a ball's. */
+static double longest_edge(const organ *o)
+{
+    return o->is_closed && o->area > 0.0 ? 1.5 * o->volume / o->area : INFINITY;
+}
+
 /* Of tetrahedra, of e^3 / 8.5 each: 1000 of second order are felt at 1 kHz. */
 static double filling_edge_mm(const organ *o)
 {
-    return organ_round(1e3 * cbrt(8.5 * o->volume / 1000.0));
+    return organ_round(1e3 * fmin(cbrt(8.5 * o->volume / 1000.0), longest_edge(o)));
 }
 
 static bool is_coarse(const organ *o)
@@ -50,16 +57,36 @@ static bool is_slow(const organ *o)
 /* Edges for the tool that was asked for, or for the one that the body's size asks for. */
 static double even_edge(const organ_request *q, const organ *o)
 {
-    return (q->tool_mm > 0.0 ? o->radius : o->usual_radius) / ORGAN_RADIUS_PER_EDGE;
+    const double radius = q->tool_mm > 0.0 ? o->radius : o->usual_radius;
+    return fmin(radius / ORGAN_RADIUS_PER_EDGE, longest_edge(o));
 }
 
-/* Would a mesh of even edges help? What crosses itself is for another program. */
-static bool helps_to_even(const organ_request *q, const organ *o)
+bool organ_is_stiff(const organ *o)
+{
+    return o->model->needs_volume && !o->model->takes_second_order && o->trial.has_touched &&
+           organ_ratio(o) > HARD;
+}
+
+/* Can a mesh of even edges be made that is felt in time? What crosses itself is for another
+ * program; what fills a surface of short edges is too much for the models that are right on it. */
+static bool can_be_even(const organ_request *q, const organ *o)
 {
     const double edge = even_edge(q, o);
     return o->crossing_count == 0 && o->area < MOST_TRIANGLES * 0.433 * edge * edge &&
-           (is_coarse(o) || o->is_rounded || o->is_fanned ||
-            (!o->has_volume && is_slow(o) && o->edge < UNEVEN * edge));
+           (!o->has_volume || 1e3 * edge > UNEVEN * filling_edge_mm(o));
+}
+
+/* Is a surface finer than a press needs? */
+static bool is_needlessly_fine(const organ_request *q, const organ *o)
+{
+    return !o->has_volume && o->edge < UNEVEN * even_edge(q, o);
+}
+
+/* Would it help? */
+static bool helps_to_even(const organ_request *q, const organ *o)
+{
+    return can_be_even(q, o) && (is_coarse(o) || o->is_rounded || o->is_fanned ||
+                                 (is_slow(o) && is_needlessly_fine(q, o)));
 }
 
 /* A word of the shell's: in quotes where it would be read as something else. */
@@ -155,6 +182,12 @@ static void write_evening(FILE *out, const organ_request *q, const organ *o)
     }
 }
 
+/* A group of the mesh, which OBJ does not keep. */
+static bool is_group(const organ_request *q)
+{
+    return q->fixed[0] != '{' && strcmp(q->fixed, "away") != 0;
+}
+
 /* The same scene of the mesh of even edges. */
 static void write_again(FILE *out, const organ_request *q, const organ *o)
 {
@@ -167,7 +200,7 @@ static void write_again(FILE *out, const organ_request *q, const organ *o)
     if (q->model != NULL) {
         ss_plain_print(out, " --model %s", q->model);
     }
-    if (strcmp(q->fixed, "away") != 0) {
+    if (strcmp(q->fixed, "away") != 0 && !is_group(q)) {
         ss_plain_print(out, " --fixed ");
         write_word(out, q->fixed);
     }
@@ -198,16 +231,21 @@ static char *text_of(void (*write)(FILE *, const organ_request *, const organ *)
     return text;
 }
 
+/* Is the surface finer than what fills it is to be? */
+static bool is_fine(const organ *o)
+{
+    return 1e3 * o->edge < UNEVEN * filling_edge_mm(o);
+}
+
 /* The commands that fill a surface, whose own edges are made as long as those inside: tetrahedra
  * at shorter ones are many and small. */
 static void write_filling(FILE *out, const organ_request *q, const organ *o)
 {
-    const bool is_finer = 1e3 * o->edge < UNEVEN * filling_edge_mm(o);
     write_converting(out, q, o);
-    if (is_finer) {
+    if (is_fine(o)) {
         write_remeshing(out, q, o, "coarse.obj", filling_edge_mm(o));
     }
-    write_tetrahedralizing(out, q, o, is_finer ? "coarse.obj" : NULL, "filled.msh");
+    write_tetrahedralizing(out, q, o, is_fine(o) ? "coarse.obj" : NULL, "filled.msh");
 }
 
 /* ---- before a scene is written ---- */
@@ -224,13 +262,20 @@ softsim_status organ_refuse_surface(const organ_request *q, const organ *o, soft
                           option, value, q->mesh);
         return SOFTSIM_ERROR_ARGUMENT;
     }
+    if (!o->is_closed) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "%s %s needs tetrahedra, and %s is a surface with holes, which cannot be "
+                          "filled: softsim-mesh convert --repair closes small ones; or --for feel "
+                          "--model cnn-energy",
+                          option, value, q->mesh);
+        return SOFTSIM_ERROR_ARGUMENT;
+    }
     char *filling = text_of(write_filling, q, o);
-    softsim_error_add(
-        error, SOFTSIM_ERROR_ARGUMENT,
-        "%s %s needs tetrahedra, and %s is a surface%s: %s, then a scene of what that "
-        "makes; or --for feel --model cnn-energy",
-        option, value, q->mesh, o->is_closed ? "" : " with holes, which are to be closed first",
-        filling != NULL ? filling : "softsim-mesh tetrahedralize");
+    softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                      "%s %s needs tetrahedra, and %s is a surface: %s, then a scene of what that "
+                      "makes; or --for feel --model cnn-energy",
+                      option, value, q->mesh,
+                      filling != NULL ? filling : "softsim-mesh tetrahedralize");
     free(filling);
     return SOFTSIM_ERROR_ARGUMENT;
 }
@@ -243,16 +288,22 @@ static void write_even_scene(FILE *out, const organ_request *q, const organ *o)
 
 void organ_advise(const organ_request *q, const organ *o, softsim_error *error)
 {
-    char *text = (is_coarse(o) || o->is_fanned) && helps_to_even(q, o)
-                     ? text_of(write_even_scene, q, o)
-                     : NULL;
+    const bool is_uneven = is_coarse(o) || o->is_fanned || is_needlessly_fine(q, o);
+    char *text = is_uneven && can_be_even(q, o) ? text_of(write_even_scene, q, o) : NULL;
     if (text != NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "%s: its edges, %.3g mm in the mean, do not suit a hand's tool: %s",
                           q->mesh, 1e3 * o->edge, text);
     }
     free(text);
-    if (o->part_count > 1 && o->boxed_count == 0) {
+    if (q->model != NULL) {
+        softsim_error_add(
+            error, SOFTSIM_ERROR_ARGUMENT,
+            "--model: scene writes what a tissue says; what %s needs besides goes into "
+            "a scene by hand (server/scene/README.md), or leave --model out",
+            q->model);
+    }
+    if (o->part_count > 1 && (strcmp(q->fixed, "away") != 0 || o->loose_count > o->boxed_count)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "%s: of its %d separate parts each is to be held: %sjoin them, or give "
                           "--fixed an entry that reaches each",
@@ -313,6 +364,13 @@ static void warn_of_force(const organ_request *q, const organ *o)
             "what is pressed gives way as a whole, or is thin beside the tool; %d of %d nodes are "
             "held: hold more of it with --fixed (--preview draws what is held)\n",
             q->out, ratio, o->fixed_count, o->node_count);
+    } else if (organ_is_stiff(o)) {
+        ss_plain_print(
+            stderr,
+            "softsim-mesh: warning: %s: the force is %.2f times Hertz's of a large, flat body: "
+            "linear tetrahedra of this size are too stiff for the tool: a coarser mesh, on which "
+            "fem-quadratic is in time, a larger --tool-mm, or --model cnn-energy\n",
+            q->out, ratio);
     } else if (o->trial.has_touched && ratio > HARD) {
         ss_plain_print(
             stderr,
@@ -343,16 +401,22 @@ static void warn_of_press(const organ_request *q, const organ *o)
     }
 }
 
+/* Its constants are not physical. */
+static bool is_scaled(const organ *o)
+{
+    return o->model->hints != NULL && o->model->hints->write_organ != NULL;
+}
+
 static void tell_press(const organ *o)
 {
     const trial_result *t = &o->trial;
     (void)printf("  pressed and held: %.3g N at %.3g mm of indentation, %.2f times Hertz's force "
-                 "for %.4g Pa and the %.3g mm that the surface went; %.3g N at %.3g mm: %s%s%s\n",
+                 "for %.4g Pa and the %.3g mm that the surface went; %.3g N%s at %.3g mm: %s%s%s\n",
                  t->held.force, 1e3 * t->held.indentation, organ_ratio(o),
                  o->tissue->youngs_modulus, 1e3 * t->held.depth, t->deepest.force,
-                 1e3 * t->deepest.indentation, softsim_verdict_name(t->verdict),
-                 t->reason[0] != '\0' ? ": " : "", t->reason);
-    if (o->model->hints != NULL && o->model->hints->write_organ != NULL) {
+                 t->is_limited ? " (the force limit)" : "", 1e3 * t->deepest.indentation,
+                 softsim_verdict_name(t->verdict), t->reason[0] != '\0' ? ": " : "", t->reason);
+    if (is_scaled(o)) {
         (void)printf("  %s has no physical constants: they were scaled to Hertz's force, so that a "
                      "thin wall or a cavity is felt as solid tissue\n",
                      o->model->name);
@@ -368,7 +432,9 @@ static void tell_press(const organ *o)
 static void tell_next(const organ_request *q, const organ *o)
 {
     if (helps_to_even(q, o)) {
-        ss_plain_print(stdout, "next: a mesh that suits the tool: ");
+        ss_plain_print(stdout, "next: a mesh that suits the tool%s: ",
+                       is_group(q) ? " (it has no groups: the side away from the hand is held)"
+                                   : "");
         write_even_scene(stdout, q, o);
         ss_plain_print(stdout, "\n");
     }
@@ -402,9 +468,10 @@ void organ_report(const organ_request *q, const organ *o)
     if (q->model == NULL && o->passed_over[0] != '\0') {
         ss_plain_print(stdout, "  passed over: %s\n", o->passed_over);
     }
-    if (!o->has_volume && o->is_closed && o->crossing_count == 0 && q->purpose != ORGAN_FOR_SPEED &&
-        q->model == NULL) {
-        ss_plain_print(stdout, "  for models with physical constants, fill it: ");
+    if (o->is_closed && o->crossing_count == 0 && q->purpose != ORGAN_FOR_SPEED &&
+        q->model == NULL && (!o->has_volume || (is_scaled(o) && is_fine(o)))) {
+        ss_plain_print(stdout, "  for models with physical constants, %s: ",
+                       o->has_volume ? "a coarser mesh" : "fill it");
         write_filling(stdout, q, o);
         ss_plain_print(stdout, "\n");
     }

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "rt/plain.h"
+
 void organ_write_model(FILE *out, const organ *o)
 {
     const ss_hints_body body = {.youngs_modulus = o->tissue->youngs_modulus,
@@ -14,8 +16,7 @@ void organ_write_model(FILE *out, const organ *o)
                                 .size = o->diagonal,
                                 .thickness =
                                     o->is_closed ? o->volume / o->area : 0.02 * o->diagonal,
-                                .is_closed = o->is_closed,
-                                .is_free = o->fixed[0] == '\0'};
+                                .is_closed = o->is_closed};
     const ss_model_hints *hints = o->model->hints;
     ss_hints_setting setting = {.body = &body,
                                 .material = hints != NULL ? hints->material[2] : NULL,
@@ -26,6 +27,18 @@ void organ_write_model(FILE *out, const organ *o)
     } else {
         ss_hints_write_solid(out, o->model, &setting);
     }
+}
+
+bool organ_is_text(const char *text)
+{
+    size_t length = 0;
+    for (size_t left = strlen(text); left > 0; text += length, left -= length) {
+        length = ss_plain_length(text, left);
+        if (length == 0 || !ss_plain_is_shown(text, length)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 void organ_write_quoted(FILE *out, const char *text)
@@ -87,10 +100,6 @@ static void write_object(FILE *out, const organ *o, bool is_draft)
     (void)fprintf(out, "\n  units: %s  # %s\n", o->unit, o->unit_words);
     if (o->is_repaired) {
         (void)fprintf(out, "  repair: true\n");
-    }
-    if (o->fixed[0] == '\0') {
-        (void)fprintf(out, "  # fixed: nothing is held\n");
-        return;
     }
     (void)fprintf(
         out,

@@ -50,6 +50,20 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
     return error->fault_count > 0 ? SS_ARGS_BAD : SS_ARGS_RUN;
 }
 
+/* Less of its volume is no longer the same body; and is worth a word. */
+static const double LOST = 0.2, CHANGED = 0.08;
+
+/* How much of its volume a closed surface has lost or won. */
+static double volume_change(const ss_mesh *mesh, const ss_mesh *even)
+{
+    ss_mesh_report before, after;
+    if (!mesh->is_closed || !even->is_closed || ss_mesh_check(mesh, &before) != SOFTSIM_OK ||
+        ss_mesh_check(even, &after) != SOFTSIM_OK || !(fabs(before.volume) > 0.0)) {
+        return 0.0;
+    }
+    return fabs(after.volume - before.volume) / fabs(before.volume);
+}
+
 static bool print_measures(const char *path, const ss_mesh *mesh)
 {
     ss_mesh_report r;
@@ -84,6 +98,16 @@ static int remesh(const void *what, softsim_error *error)
         }
     }
     ss_progress_end();
+    const double change = status == SOFTSIM_OK ? volume_change(mesh, even) : 0.0;
+    if (change > LOST) {
+        status = SOFTSIM_ERROR_MESH;
+        softsim_error_add(
+            error, status,
+            "%s: with edges of %.3g%s it would change its volume by %.0f %%: they are "
+            "too long for what is thin of it: give a shorter %s, or other --units",
+            q->path[0], isnan(q->edge_mm) ? q->edge : q->edge_mm, isnan(q->edge_mm) ? "" : " mm",
+            100.0 * change, isnan(q->edge_mm) ? "--edge" : "--edge-mm");
+    }
     if (status == SOFTSIM_OK) {
         status = write_mesh(even, q->path[1], error);
         result = status == SOFTSIM_OK ? 0 : status == SOFTSIM_ERROR_MESH ? 2 : 1;
@@ -97,6 +121,13 @@ static int remesh(const void *what, softsim_error *error)
                        "%s: %d rounds undone and %d nodes left as they were, for the surface would "
                        "have come to cross itself: give a shorter edge\n",
                        q->path[1], done.undone_rounds, done.locked_nodes);
+    }
+    if (result == 0 && change > CHANGED) {
+        ss_plain_print(
+            stderr,
+            "softsim-mesh: warning: %s: its volume has changed by %.0f %%: edges are long "
+            "for what is thin of it; give a shorter %s\n",
+            q->path[1], 100.0 * change, isnan(q->edge_mm) ? "--edge" : "--edge-mm");
     }
     if (result == 0 && !done.is_crossing_complete) {
         ss_plain_print(

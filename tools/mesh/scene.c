@@ -64,12 +64,11 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
         SS_TEXT("--out", &q->out, "ORGAN.yaml", "the scene"),
         SS_CHOICE("--units", &q->units, UNITS,
                   "of MESH (without: by size, an organ has 2 to 30 cm)"),
-        SS_TEXT(
-            "--fixed", &q->fixed, "WHAT",
-            "what is held: away (the side away from the hand), none, the name of a group of\n"
-            "MESH, or an entry as a scene has it, in metres: '{box_m: [[x, y, z], [x, y, z]]}',\n"
-            "'{plane: {point_m: [x, y, z], normal: [x, y, z]}}' (what lies behind it),\n"
-            "'{sphere: {center_m: [x, y, z], radius_m: R}}' (away)"),
+        SS_TEXT("--fixed", &q->fixed, "WHAT",
+                "what is held: away (the side away from the hand), the name of a group of MESH,\n"
+                "or an entry as a scene has it, in metres: '{box_m: [[x, y, z], [x, y, z]]}',\n"
+                "'{plane: {point_m: [x, y, z], normal: [x, y, z]}}' (what lies behind it),\n"
+                "'{sphere: {center_m: [x, y, z], radius_m: R}}' (away)"),
         SS_CHOICE("--for", &q->purpose, "feel|accuracy|speed", "chooses the model (feel)"),
         SS_TEXT("--model", &q->model, "NAME", "the model, whatever it is for"),
         SS_CHOICE("--from", &q->side, "+z|-z|+x|-x|+y|-y",
@@ -84,7 +83,8 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
     const ss_args_result result = ss_args_parse(
         argc, argv, "MESH --tissue NAME --out ORGAN.yaml [options]",
         "Writes a scene of a mesh that can be felt, and presses it before it is called "
-        "good.",
+        "good.\n"
+        "Exit status 0: it was written, with the verdict of the press; 2: it was not.",
         rows, (int32_t)(sizeof rows / sizeof rows[0]), &q->mesh, 0, 1, &count, error);
     if (result != SS_ARGS_RUN || q->lists_tissues) {
         return result;
@@ -111,6 +111,12 @@ static ss_args_result parse(int argc, char **argv, void *what, softsim_error *er
     const ss_named_file in = {"the mesh", q->mesh};
     const ss_named_file out[] = {{"--out", q->out}, {"--preview", q->preview}};
     (void)ss_files_check(&in, 1, out, 2, error);
+    if (q->mesh != NULL && !organ_is_text(q->mesh)) {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "'%.100s': a scene cannot name a file whose name is no UTF-8, or has "
+                          "control characters: give it another",
+                          q->mesh);
+    }
     if (q->out != NULL && ss_files_is_in_place(q->out)) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "--out: '%.100s' is no file that a server could read; give ORGAN.yaml",
@@ -143,17 +149,19 @@ static int32_t count_bodies(const ss_mesh *mesh, int32_t component_count)
     return count > 0 ? count : component_count;
 }
 
-static void measure(const ss_mesh *mesh, organ *o)
+static softsim_status measure(const ss_mesh *mesh, organ *o)
 {
     ss_mesh_report report;
-    if (ss_mesh_check(mesh, &report) == SOFTSIM_OK) {
-        ss_copy3(o->low, report.box_min);
-        ss_copy3(o->high, report.box_max);
-        o->volume = fabs(report.volume);
-        o->area = report.area;
-        o->open_edges = report.open_edge.count;
-        o->part_count = count_bodies(mesh, report.component_count);
+    const softsim_status status = ss_mesh_check(mesh, &report);
+    if (status != SOFTSIM_OK) {
+        return status;
     }
+    ss_copy3(o->low, report.box_min);
+    ss_copy3(o->high, report.box_max);
+    o->volume = fabs(report.volume);
+    o->area = report.area;
+    o->open_edges = report.open_edge.count;
+    o->part_count = count_bodies(mesh, report.component_count);
     ss_mesh_fault crossing;
     ss_progress_stage("looking for triangles that cross others, of %d", mesh->triangle_count);
     o->crossing_count =
@@ -165,6 +173,7 @@ static void measure(const ss_mesh *mesh, organ *o)
     o->has_volume = mesh->tetrahedron_count > 0;
     o->is_second_order = mesh->middle != NULL;
     o->is_fanned = has_fans(mesh);
+    return SOFTSIM_OK;
 }
 
 static void choose_tool(const organ_request *q, organ *o)
@@ -181,7 +190,7 @@ static void choose_tool(const organ_request *q, organ *o)
     const double force =
         trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, o->deepest);
     o->working_force = organ_round(fmin(fmax(force, 0.05), 4.0));
-    o->max_force = organ_round(fmin(fmax(2.5 * force, 0.5), 8.0));
+    o->planned_max_force = organ_round(fmin(fmax(2.5 * force, 0.5), 8.0));
 }
 
 /* Is it a soup, whose triangles are apart? A repair then stitches parts. */
@@ -255,6 +264,7 @@ static softsim_status write_text(ss_output *output, const organ *o, bool is_draf
     size_t size = 0;
     FILE *stream = open_memstream(&text, &size);
     if (stream == NULL) {
+        softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", output->path);
         return SOFTSIM_ERROR_MEMORY;
     }
     organ_write(stream, o, is_draft);
@@ -329,10 +339,11 @@ static softsim_world *open_draft(ss_output *output, organ *o, softsim_error *err
         d = (doubts){0};
         ss_world_doubt(ss_world_of(world), &(const ss_notes){take_doubt, &d});
         o->is_rounded = d.of_mesh > 0;
-        if (d.of_tools == 0 || o->max_force < LEAST_LIMIT * o->working_force) {
+        const double lowered = organ_round(LOWERED * o->max_force);
+        if (d.of_tools == 0 || lowered < LEAST_LIMIT * o->working_force) {
             break;
         }
-        o->max_force = organ_round(LOWERED * o->max_force);
+        o->max_force = lowered;
         softsim_destroy(&world);
         world = open_world(output, o, error);
     }
@@ -384,7 +395,7 @@ static softsim_status find_place(const organ_request *q, softsim_world *world, o
  * lower now: press once more, in a world of its own. */
 static bool press(softsim_world *world, organ *o, double deepest)
 {
-    trial_press p = {.depth = o->depth, .deepest = deepest};
+    trial_press p = {.depth = o->depth, .deepest = deepest, .limit = o->max_force};
     ss_copy3(p.origin, o->touch.origin);
     ss_copy3(p.towards, o->towards);
     trial_run(world, &p, &o->trial);
@@ -428,11 +439,12 @@ static softsim_status try_model(const organ_request *q, ss_output *output, organ
 {
     *out_is_good = false;
     o->touch_gap = 0.0;
+    o->max_force = o->planned_max_force;
     ss_progress_stage("pressing %s as %s", q->mesh, o->model->name);
     softsim_status status = scale_forces(q, output, o, error);
     softsim_world *world = status == SOFTSIM_OK ? open_draft(output, o, error) : NULL;
     if (world == NULL) {
-        return SOFTSIM_ERROR_SCENE;
+        return status != SOFTSIM_OK ? status : SOFTSIM_ERROR_SCENE;
     }
     status = find_place(q, world, o, error);
     const ss_world *inner = ss_world_of(world);
@@ -447,7 +459,8 @@ static softsim_status try_model(const organ_request *q, ss_output *output, organ
                 (void)press(world, o, o->deepest);
             }
         }
-        *out_is_good = is_in_time && o->trial.has_touched &&
+        *out_is_good = status == SOFTSIM_OK && is_in_time && o->trial.has_touched &&
+                       !organ_is_stiff(o) &&
                        (o->trial.verdict == SOFTSIM_VERDICT_GOOD || o->trial.is_of_place) &&
                        o->trial.step_us < o->trial.period_us;
     }
@@ -468,6 +481,8 @@ static void note_passed_over(organ *o, softsim_status status, const softsim_erro
         (void)snprintf(at, room, "%s%s (%.60s)", before, name, error->text);
     } else if (t->period_us > 0.0 && t->verdict != SOFTSIM_VERDICT_GOOD) {
         (void)snprintf(at, room, "%s%s (%s)", before, name, softsim_verdict_name(t->verdict));
+    } else if (t->period_us > 0.0 && organ_is_stiff(o)) {
+        (void)snprintf(at, room, "%s%s (%.2f times Hertz's force)", before, name, organ_ratio(o));
     } else if (t->period_us > 0.0) {
         (void)snprintf(at, room, "%s%s (a step of %.3g ms took %.3g ms here)", before, name,
                        1e3 * o->step_s, 1e-3 * t->step_us);
@@ -553,7 +568,10 @@ static softsim_status make(const organ_request *q, ss_mesh *mesh, ss_output *out
         return status;
     }
     o->mesh_name = name;
-    measure(mesh, o);
+    if ((status = measure(mesh, o)) != SOFTSIM_OK) {
+        softsim_error_add(error, status, "%s: out of memory", q->mesh);
+        return status;
+    }
     const bool needs_volume =
         q->model != NULL ? ss_model_find(q->model)->needs_volume : q->purpose == ORGAN_FOR_ACCURACY;
     if (needs_volume && !o->has_volume) {

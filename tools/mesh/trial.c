@@ -10,8 +10,9 @@
 
 /* N: a tool at rest that pushes less is drawn in. */
 static const double DRAWN_IN = -1e-3;
-static const double ASIDE = 0.4;  /* of the force: the surface slopes by 22 degrees */
-static const double HARDLY = 0.2; /* of the depth: less indentation is no press */
+static const double ASIDE = 0.4;    /* of the force: the surface slopes by 22 degrees */
+static const double HARDLY = 0.2;   /* of the depth: less indentation is no press */
+static const double LIMITED = 0.95; /* of the limit: the tissue's own force may be more */
 /* s: of the parts of a press. */
 static const double COMES = 0.2, SETTLES = 0.3, DEEPENS = 0.2, STAYS = 0.1, LEAVES = 0.2;
 static const double READ = 0.05; /* s at the end of a hold in which force and depth are read */
@@ -50,6 +51,7 @@ static void take_reading(reading *r, double t, const trial_hold *now)
         r->sum.depth += now->depth;
         r->sum.indentation += now->indentation;
         r->sum.force += now->force;
+        r->sum.reaction += now->reaction;
         r->sum.aside += now->aside;
         ++r->count;
     }
@@ -59,14 +61,16 @@ static trial_hold mean_of(const reading *r)
 {
     const double n = r->count > 0 ? r->count : 1.0;
     return (trial_hold){r->sum.depth / n, r->sum.indentation / n, r->sum.force / n,
-                        r->sum.aside / n};
+                        r->sum.reaction / n, r->sum.aside / n};
 }
 
-static void lower_verdict(trial_result *out, softsim_verdict verdict, const char *reason)
+/* Where the server itself says no worse: what it says is the model's. */
+static void lower_verdict(trial_result *out, softsim_verdict verdict, bool is_of_place,
+                          const char *reason)
 {
-    if (out->verdict <= verdict) {
+    if (out->verdict < verdict) {
+        out->is_of_place = is_of_place && out->verdict == SOFTSIM_VERDICT_GOOD;
         out->verdict = verdict;
-        out->is_of_place = true;
         (void)snprintf(out->reason, sizeof out->reason, "%s", reason);
     }
 }
@@ -74,22 +78,26 @@ static void lower_verdict(trial_result *out, softsim_verdict verdict, const char
 /* What the server's own verdict cannot know: what the press was to be. */
 static void judge(const trial_press *press, trial_result *out)
 {
+    out->is_limited = out->deepest.force > LIMITED * press->limit;
     if (!out->has_touched) {
-        out->verdict = SOFTSIM_VERDICT_DEGRADED;
-        (void)snprintf(out->reason, sizeof out->reason,
-                       "the tool did not touch: come from another side with --from, or give "
-                       "another --tool-mm or --units");
+        lower_verdict(out, SOFTSIM_VERDICT_DEGRADED, false,
+                      "the tool did not touch: come from another side with --from, or give "
+                      "another --tool-mm or --units");
+    } else if (out->held.force > LIMITED * press->limit) {
+        lower_verdict(out, SOFTSIM_VERDICT_GUARDED, false,
+                      "the force limit is felt there, not the tissue: haptic.max_force_n is low "
+                      "so that the tool does not sink in; a larger --tool-mm, or a finer mesh");
     } else if (out->held.indentation < HARDLY * press->depth) {
-        lower_verdict(out, SOFTSIM_VERDICT_DEGRADED,
+        lower_verdict(out, SOFTSIM_VERDICT_DEGRADED, true,
                       "the tool hardly touched: what is felt lies deeper than the mesh, or it "
                       "slipped off; shorter edges, or another side with --from");
-    } else if (fmin(out->held.force, out->deepest.force) < DRAWN_IN) {
-        lower_verdict(out, SOFTSIM_VERDICT_GUARDED,
+    } else if (fmin(out->held.reaction, out->deepest.reaction) < DRAWN_IN) {
+        lower_verdict(out, SOFTSIM_VERDICT_GUARDED, true,
                       "the force at rest draws the tool in: it slips over an edge or through a "
                       "hole; close holes, or come from another side");
-    } else if (out->held.aside > ASIDE * out->held.force ||
-               out->deepest.aside > ASIDE * out->deepest.force) {
-        lower_verdict(out, SOFTSIM_VERDICT_GUARDED,
+    } else if (out->held.aside > ASIDE * out->held.reaction ||
+               out->deepest.aside > ASIDE * out->deepest.reaction) {
+        lower_verdict(out, SOFTSIM_VERDICT_GUARDED, true,
                       "the surface slopes there and pushes the tool aside: a hand slides off and "
                       "feels another force; come from another side with --from");
     }
@@ -113,6 +121,7 @@ void trial_run(softsim_world *world, const trial_press *press, trial_result *out
                              .sender = 1,
                              .seq = k + 1,
                              .force_seq = -1,
+                             .flags = SOFTSIM_POSE_CORRECTS, /* as the bridge; without delay */
                              .orientation = {1.0, 0.0, 0.0, 0.0},
                              .velocity = {NAN, NAN, NAN},
                              .applied_force = {NAN, NAN, NAN}};
@@ -126,13 +135,14 @@ void trial_run(softsim_world *world, const trial_press *press, trial_result *out
         }
         if (out->has_touched) {
             const double *f = force[0].model_force;
-            const double pressed = ss_dot3(f, press->towards);
+            const double felt = ss_dot3(force[0].force, press->towards);
+            const double reaction = ss_dot3(f, press->towards);
             double across[3];
-            ss_madd3(across, f, -pressed, press->towards);
+            ss_madd3(across, f, -reaction, press->towards);
             const trial_hold now = {touched - proxy,
-                                    touched - ss_dot3(pose.position, press->towards), pressed,
-                                    ss_norm3(across)};
-            out->moving_force = t < COMES ? pressed : out->moving_force;
+                                    touched - ss_dot3(pose.position, press->towards), felt,
+                                    reaction, ss_norm3(across)};
+            out->moving_force = t < COMES ? felt : out->moving_force;
             take_reading(&first, t, &now);
             take_reading(&second, t, &now);
         }

@@ -50,9 +50,9 @@ static void write_organ(FILE *file, const ss_model_class *model, const ss_hints_
     fprintf(file,
             "  modulus_j: %.4g\n  pretension_j: %.4g\n  rest_stiffness_n_per_m3: %.4g\n"
             "  area_density_kg_m2: %.4g\n  damping_n_s_per_m3: %.4g\n",
-            5.0 * t0, k->body->is_free ? 0.0 : t0, 15.0 * t0 / pow(size, 4.0), area_density(k),
+            5.0 * t0, t0, 15.0 * t0 / pow(size, 4.0), area_density(k),
             5.0 * k->damping * area_density(k));
-    if (k->body->is_closed && !k->body->is_free) {
+    if (k->body->is_closed) {
         fprintf(file, "  enclosed_bulk_pa: %.4g\n", 7.0 * t0 / pow(size, 3.0));
     }
 }

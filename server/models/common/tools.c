@@ -117,7 +117,7 @@ void ss_tool_say_limits(const ss_tool *tool, int index, const ss_model_plan *pla
                         ss_plan_contact_remedy(plan, tool->stiffness, tool->radius));
     }
     if (tool->radius < 0.5 * edge) {
-        ss_note_warning(out, "contact.tools",
+        ss_note_warning(out, "contact.tools.shape",
                         "tool %d is small beside the mesh (radius %.3g m, mean edge %.3g m): its "
                         "force will ripple; refine the mesh",
                         index, tool->radius, edge);
