@@ -9,11 +9,15 @@
  * an edge overlap only when they are folded onto each other; of those that share a node the edges
  * opposite it are tested.
  *
- * The boxes of all triangles around one node overlap, which is quadratic in their number. Around a
- * hub, a node of many, it is edges that are looked for in the tree: two triangles cross only where
- * an edge of one that has no node of the other meets the other, or they are folded onto each other
- * at an edge, which has an end that is no hub. So an edge at the hub leaves out all that is
- * around it too.
+ * The boxes of all triangles around one node overlap, which is quadratic in their number. So each
+ * triangle at a hub, a node of many, looks in the tree for
+ * - those at its hub with its far edge alone, the one opposite the hub. Two that share a node cross
+ *   only where the far edge of one meets the other: where they are not in one plane that edge alone
+ *   has no node of the other, and where they are a ray from the node into both meets the nearer far
+ *   edge within the other triangle.
+ * - those at other hubs with its box and its plane, which parts it from most of the fan across a rim
+ *   (a bipyramid), and passes by its own hub's.
+ * Triangles at no hub look for all.
  *
  * Signs come from double where the rounding bound of Shewchuk (1997, A estimate) lets them, else
  * from long double with its own bound, below which a point counts as in the plane: so that seams,
@@ -200,30 +204,34 @@ static bool find_first(const ss_mesh *mesh, int32_t *first)
     return true;
 }
 
-/* `hub`: of each triangle the one node of more than HUB triangles, where there is one; -1: it is
- * none of its nodes. Where there are more of them, none is one: what is around one may be near all
- * that is around another, edges and triangles alike. */
-static bool find_hub(const ss_mesh *mesh, int32_t *hub, bool *out_any)
+/* `hub`: of each triangle that of its nodes which has the most triangles, where those are more than
+ * HUB; else -1. */
+static bool find_hubs(const ss_mesh *mesh, int32_t *hub)
 {
     enum { HUB = 64 };
     int32_t *count = ss_memory_get((size_t)mesh->node_count, sizeof *count);
-    int32_t hubs = 0, only = -1;
-    for (int32_t i = 0; count != NULL && i < 3 * mesh->triangle_count; ++i) {
+    if (count == NULL) {
+        return false;
+    }
+    for (int32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
         const int32_t *node = mesh->triangle[i / 3];
-        if (ss_mesh_has_good_nodes(mesh, node, 3) && ++count[node[i % 3]] == HUB + 1) {
-            only = node[i % 3];
-            ++hubs;
+        if (ss_mesh_has_good_nodes(mesh, node, 3)) {
+            ++count[node[i % 3]];
         }
     }
-    *out_any = hubs == 1;
     for (int32_t t = 0; t < mesh->triangle_count; ++t) {
         const int32_t *node = mesh->triangle[t];
-        const bool has_it = node[0] == only || node[1] == only || node[2] == only;
-        hub[t] = *out_any && has_it && ss_mesh_has_good_nodes(mesh, node, 3) ? only : -1;
+        int32_t most = HUB;
+        hub[t] = -1;
+        for (int k = 0; k < 3 && ss_mesh_has_good_nodes(mesh, node, 3); ++k) {
+            if (count[node[k]] > most) {
+                most = count[node[k]];
+                hub[t] = node[k];
+            }
+        }
     }
-    const bool is_good = count != NULL;
     ss_memory_free(count);
-    return is_good;
+    return true;
 }
 
 typedef struct search {
@@ -235,36 +243,37 @@ typedef struct search {
     int32_t own;
 } search;
 
-/* Of two at the hub each looks for the other, of others the lower number, or the one not at it. */
+/* Of two at one hub each looks for the other; one at no hub looks for those at hubs; of others the
+ * lower number looks. */
 static void try_pair(void *what, int32_t other)
 {
     search *s = what;
-    const bool is_own = s->hub[s->own] >= 0 ? s->hub[other] >= 0 && other != s->own
-                                            : s->hub[other] >= 0 || other > s->own;
-    if (is_own && !(s->is_crossing[s->own] && s->is_crossing[other]) &&
-        ss_mesh_triangles_cross(s->mesh, s->own, other)) {
-        s->is_crossing[s->own] = true;
+    const int32_t own = s->own;
+    const bool looks_down = s->hub[other] >= 0 && (s->hub[own] < 0 || s->hub[own] == s->hub[other]);
+    if ((other > own || (other < own && looks_down)) &&
+        !(s->is_crossing[own] && s->is_crossing[other]) &&
+        ss_mesh_triangles_cross(s->mesh, own < other ? own : other, own < other ? other : own)) {
+        s->is_crossing[own] = true;
         s->is_crossing[other] = true;
     }
 }
 
-static void try_edges(search *s)
+static void try_far_edge(search *s)
 {
-    const int32_t hub = s->hub[s->own], *node = s->mesh->triangle[s->own];
+    const int32_t *node = s->mesh->triangle[s->own];
+    ss_box box;
+    ss_box_init(&box);
     for (int k = 0; k < 3; ++k) {
-        const int32_t a = node[k], b = node[(k + 1) % 3];
-        ss_box box;
-        ss_box_init(&box);
-        ss_box_add(&box, s->mesh->position[a]);
-        ss_box_add(&box, s->mesh->position[b]);
-        for (int i = 0; i < 3; ++i) { /* what counts as in the plane may be beside it */
-            const double slack = 1e-9 * (fabs(box.low[i]) + fabs(box.high[i]));
-            box.low[i] -= slack;
-            box.high[i] += slack;
+        if (node[k] != s->hub[s->own]) {
+            ss_box_add(&box, s->mesh->position[node[k]]);
         }
-        ss_tree_visit_others(s->tree, &box, a == hub || b == hub ? hub : -1, &s->visits, try_pair,
-                             s);
     }
+    for (int i = 0; i < 3; ++i) { /* what counts as in the plane may be beside it */
+        const double slack = 1e-9 * (fabs(box.low[i]) + fabs(box.high[i]));
+        box.low[i] -= slack;
+        box.high[i] += slack;
+    }
+    ss_tree_visit(s->tree, &box, &s->visits, try_pair, s);
 }
 
 /* Those that are there already cross what the first of them does. */
@@ -275,25 +284,27 @@ bool ss_mesh_mark_crossings(const ss_mesh *mesh, bool *out_is_crossing, bool *ou
     ss_box *box = ss_memory_get((size_t)count, sizeof *box);
     int32_t *first = ss_memory_get((size_t)count, sizeof *first);
     int32_t *hub = ss_memory_get((size_t)count, sizeof *hub);
-    bool has_hub = false;
     bool is_good = box != NULL && first != NULL && hub != NULL && find_first(mesh, first) &&
-                   find_hub(mesh, hub, &has_hub);
+                   find_hubs(mesh, hub);
     for (int32_t t = 0; t < count && is_good; ++t) {
         if (first[t] != t || !ss_box_of_triangle(mesh, t, &box[t])) {
             ss_box_init(&box[t]);
         }
     }
-    is_good =
-        is_good && ss_tree_init(&tree, box, count) && (!has_hub || ss_tree_set_labels(&tree, hub));
+    is_good = is_good && ss_tree_init(&tree, box, count) && ss_tree_set_labels(&tree, hub);
     search s = {mesh, &tree, hub, out_is_crossing, most_visits, 0};
     for (int32_t t = 0; t < count; ++t) {
         out_is_crossing[t] = false;
     }
     for (int32_t t = 0; t < count && is_good; ++t) {
         s.own = t;
-        if (hub[t] >= 0 && box[t].low[0] <= box[t].high[0]) {
-            try_edges(&s);
-        } else if (box[t].low[0] <= box[t].high[0]) {
+        if (!(box[t].low[0] <= box[t].high[0])) {
+            continue;
+        }
+        if (hub[t] >= 0) {
+            try_far_edge(&s);
+            ss_tree_visit_others(&tree, mesh, t, hub[t], &s.visits, try_pair, &s);
+        } else {
             ss_tree_visit(&tree, &box[t], &s.visits, try_pair, &s);
         }
     }

@@ -174,14 +174,38 @@ bool ss_tree_set_labels(ss_tree *tree, const int32_t *label)
     return tree->label != NULL;
 }
 
-void ss_tree_visit(const ss_tree *tree, const ss_box *box, int64_t *inout_visits,
-                   void (*take)(void *what, int32_t item), void *what)
+/* A point, u x v, and what rounding of it makes of a distance of 1, or more. */
+typedef struct plane {
+    double x[3], normal[3], slack;
+} plane;
+
+static void plane_of(const ss_mesh *mesh, int32_t t, plane *out)
 {
-    ss_tree_visit_others(tree, box, -1, inout_visits, take, what);
+    const int32_t *node = mesh->triangle[t];
+    double u[3], v[3];
+    ss_copy3(out->x, mesh->position[node[0]]);
+    ss_sub3(u, mesh->position[node[1]], out->x);
+    ss_sub3(v, mesh->position[node[2]], out->x);
+    ss_cross3(out->normal, u, v);
+    out->slack = 1e-9 * ss_norm3(u) * ss_norm3(v);
 }
 
-void ss_tree_visit_others(const ss_tree *tree, const ss_box *box, int32_t label,
-                          int64_t *inout_visits, void (*take)(void *what, int32_t item), void *what)
+static bool is_cut(const ss_box *box, const plane *p)
+{
+    double from_middle = 0.0, from_side = 0.0, reach = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        const double half = 0.5 * box->high[k] - 0.5 * box->low[k];
+        const double middle = box->low[k] + half - p->x[k];
+        from_middle += p->normal[k] * middle;
+        from_side += fabs(p->normal[k]) * half;
+        reach += fabs(middle) + half;
+    }
+    return fabs(from_middle) <= from_side + p->slack * reach;
+}
+
+/* `cut`: NULL: no plane. */
+static void visit(const ss_tree *tree, const ss_box *box, const plane *cut, int32_t label,
+                  int64_t *inout_visits, void (*take)(void *what, int32_t item), void *what)
 {
     int32_t stack[MAX_DEPTH];
     int depth = 0;
@@ -189,7 +213,8 @@ void ss_tree_visit_others(const ss_tree *tree, const ss_box *box, int32_t label,
     while (depth > 0 && *inout_visits > 0) {
         const int32_t at = stack[--depth];
         --*inout_visits;
-        if (!ss_box_overlaps(box, &tree->box[at]) || (label >= 0 && tree->label[at] == label)) {
+        if (!ss_box_overlaps(box, &tree->box[at]) || (label >= 0 && tree->label[at] == label) ||
+            (cut != NULL && !is_cut(&tree->box[at], cut))) {
             continue;
         }
         if (at < tree->leaf_count) {
@@ -198,6 +223,23 @@ void ss_tree_visit_others(const ss_tree *tree, const ss_box *box, int32_t label,
         } else {
             take(what, tree->item[at - tree->leaf_count]);
         }
+    }
+}
+
+void ss_tree_visit(const ss_tree *tree, const ss_box *box, int64_t *inout_visits,
+                   void (*take)(void *what, int32_t item), void *what)
+{
+    visit(tree, box, NULL, -1, inout_visits, take, what);
+}
+
+void ss_tree_visit_others(const ss_tree *tree, const ss_mesh *mesh, int32_t t, int32_t label,
+                          int64_t *inout_visits, void (*take)(void *what, int32_t item), void *what)
+{
+    ss_box box;
+    plane cut;
+    if (ss_box_of_triangle(mesh, t, &box)) {
+        plane_of(mesh, t, &cut);
+        visit(tree, &box, &cut, label, inout_visits, take, what);
     }
 }
 

@@ -43,8 +43,9 @@ bool ss_tree_set_labels(ss_tree *tree, const int32_t *label);
 /* Hands each item whose box overlaps `box` to `take`; the visits that are left go down. */
 void ss_tree_visit(const ss_tree *tree, const ss_box *box, int64_t *inout_visits,
                    void (*take)(void *what, int32_t item), void *what);
-/* The same, but for those of a label, from 0. */
-void ss_tree_visit_others(const ss_tree *tree, const ss_box *box, int32_t label,
+/* The same for the box of triangle t of `mesh`, without those of a label, from 0, and those whose
+ * boxes lie on one side of the triangle's plane. */
+void ss_tree_visit_others(const ss_tree *tree, const ss_mesh *mesh, int32_t t, int32_t label,
                           int64_t *inout_visits, void (*take)(void *what, int32_t item),
                           void *what);
 
