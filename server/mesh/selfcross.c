@@ -15,9 +15,8 @@
  *   only where the far edge of one meets the other: where they are not in one plane that edge alone
  *   has no node of the other, and where they are a ray from the node into both meets the nearer far
  *   edge within the other triangle.
- * - those at other hubs with its box and its plane, which parts it from most of the fan across a rim
- *   (a bipyramid), and passes by its own hub's.
- * Triangles at no hub look for all.
+ * - those at other hubs with its box and its plane, which parts it from most of the fan across a
+ * rim (a bipyramid), and passes by its own hub's. Triangles at no hub look for all.
  *
  * Signs come from double where the rounding bound of Shewchuk (1997, A estimate) lets them, else
  * from long double with its own bound, below which a point counts as in the plane: so that seams,
@@ -86,11 +85,25 @@ typedef struct corners {
     const double *x[3];
 } corners;
 
+static bool has_box_at(const corners *t, const double *p, const double *q)
+{
+    ss_box own, edge;
+    ss_box_init(&own);
+    ss_box_init(&edge);
+    for (int k = 0; k < 3; ++k) {
+        ss_box_add(&own, t->x[k]);
+    }
+    ss_box_add(&edge, p);
+    ss_box_add(&edge, q);
+    return ss_box_overlaps(&own, &edge);
+}
+
+/* Of an edge nearly in the plane all signs are of rounding; its box tells whether it is there. */
 static bool edge_crosses(const double *p, const double *q, const corners *t)
 {
     const int from = orient(t->x[0], t->x[1], t->x[2], p);
     const int to = orient(t->x[0], t->x[1], t->x[2], q);
-    if (from * to >= 0) {
+    if (from * to >= 0 || !has_box_at(t, p, q)) {
         return false;
     }
     int least = 1;

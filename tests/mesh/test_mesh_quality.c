@@ -396,6 +396,36 @@ TEST(wide_fans_are_looked_at_to_the_end)
     }
 }
 
+/* The cap and the wall of a cylinder turned out of the axes, whose flat parts are flat but for
+ * rounding. */
+TEST(what_is_flat_but_for_rounding_crosses_nothing)
+{
+    enum { SIDES = 500, NODES = 2 * SIDES + 1, TRIANGLES = 3 * SIDES };
+    double x[NODES][3];
+    int32_t triangle[TRIANGLES][3];
+    for (int32_t i = 0; i < NODES; ++i) {
+        const double turn = 2.0 * SS_PI * i / SIDES, c = cos(0.5), s = sin(0.5);
+        const double radius = i < 2 * SIDES ? 1.0 : 0.0, height = i < SIDES ? -1.0 : 1.0;
+        const double y = c * radius * sin(turn) - s * height;
+        ss_set3(x[i], c * radius * cos(turn) - s * y, s * radius * cos(turn) + c * y,
+                s * radius * sin(turn) + c * height);
+    }
+    for (int32_t i = 0; i < SIDES; ++i) {
+        const int32_t next = (i + 1) % SIDES;
+        const int32_t three[3][3] = {{i, next, SIDES + next},
+                                     {i, SIDES + next, SIDES + i},
+                                     {2 * SIDES, SIDES + i, SIDES + next}};
+        memcpy(triangle[3 * i], three, sizeof three);
+    }
+    ss_mesh *mesh =
+        make_mesh(NODES, (const double(*)[3])x, TRIANGLES, (const int32_t(*)[3])triangle, 0, NULL);
+    ss_mesh_fault crossing;
+    bool is_complete;
+    assert_true(ss_mesh_find_crossings(mesh, &crossing, &is_complete) && is_complete);
+    assert_int_equal(crossing.count, 0);
+    ss_mesh_destroy(&mesh);
+}
+
 /* ---- repair ---- */
 
 static void expect_good_cube(ss_mesh *mesh)
