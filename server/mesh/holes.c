@@ -6,7 +6,7 @@
  * triangles (sides a, b, c) is least: that is area over quality, 4 sqrt(3) A / (a^2 + b^2 + c^2),
  * of each. By dynamic programming over sub-loops (Barequet & Sharir 1995), O(n^3), n <= 300; no
  * flat triangle, and no edge that the surface has already. What would cross the surface is left
- * open.
+ * open, and what could not be looked at to the end.
  *
  * Small: an opening is where a vessel ends or the body was cut, as often as it is a fault. A hole
  * is filled when its area is a small share of its part's and it is not wide, or when a handful of
@@ -359,7 +359,8 @@ static void try_crossing(void *what, int32_t other)
     c->is_any = c->is_any || ss_mesh_triangles_cross(c->mesh, c->own, other);
 }
 
-/* Of the triangles from `first` on: is the hole small, and do they cross nothing? */
+/* Of the triangles from `first` on: is the hole small, and do they cross nothing? Where the
+ * visits ran out they may. */
 static bool may_stay(filler *f, int32_t first)
 {
     const ss_mesh view = ss_mend_view(f->m);
@@ -388,7 +389,7 @@ static bool may_stay(filler *f, int32_t first)
     const bool is_narrow =
         area <= small_area * p->area && ss_norm3(across) <= small_width * ss_norm3(diagonal);
     const bool has_few = f->count <= FEW_EDGES && area <= few_edges_area * p->area;
-    return (is_narrow || has_few) && !c.is_any;
+    return (is_narrow || has_few) && !c.is_any && visits > 0;
 }
 
 /* However it is filled: its box is that of its nodes, its area not less than that of the vector of

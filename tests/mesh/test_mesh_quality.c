@@ -534,6 +534,72 @@ TEST(repair_keeps_quads_and_fails_where_nothing_is_left)
     ss_mesh_destroy(&mesh);
 }
 
+/* A cone on a slot, whose two rails have 150 nodes each, with a ball beside the slot and, perhaps,
+ * a small tetrahedron through it at one end. The boxes of all that fills the slot hold the ball. */
+static ss_mesh *make_slot(int32_t rings, bool is_pierced)
+{
+    enum { RAIL = 150, LOOP = 2 * RAIL, SIDES = 120, RINGS = 100 };
+    static double x[LOOP + 1 + 2 + SIDES * RINGS + 4][3];
+    static int32_t triangle[LOOP + 2 * SIDES * RINGS + 4][3];
+    int32_t nodes = LOOP + 1, triangles = 0;
+    for (int32_t i = 0; i < LOOP; ++i) {
+        const double along = 0.0028 * (i < RAIL ? i : LOOP - 1 - i), across = i < RAIL ? 0.0 : 1.0;
+        ss_set3(x[i], across + along, across - along, across);
+        const int32_t side[3] = {LOOP, i, (i + 1) % LOOP};
+        memcpy(triangle[triangles++], side, sizeof side);
+    }
+    ss_set3(x[LOOP], 0.7 - 8.0, 0.3 - 8.0, 0.5 + 16.0);
+    const int32_t ball = nodes;
+    ss_set3(x[nodes++], 0.83, 0.41, 0.255 + 0.15);
+    ss_set3(x[nodes++], 0.83, 0.41, 0.255 - 0.15);
+    for (int32_t i = 0; i < rings * SIDES; ++i) {
+        const double down = SS_PI * (i / SIDES + 1) / (rings + 1), turn = 2.0 * SS_PI * i / SIDES;
+        ss_set3(x[nodes++], 0.83 + 0.15 * sin(down) * cos(turn),
+                0.41 + 0.15 * sin(down) * sin(turn), 0.255 + 0.15 * cos(down));
+        const int32_t at = ball + 2 + i, next = i % SIDES < SIDES - 1 ? at + 1 : at + 1 - SIDES;
+        const bool is_last = i / SIDES == rings - 1;
+        const int32_t two[2][3] = {{at, is_last ? ball + 1 : at + SIDES, next},
+                                   {i < SIDES ? ball : next - SIDES, at, next}};
+        memcpy(triangle[triangles], two, sizeof two);
+        triangles += 2;
+    }
+    if (is_pierced) {
+        static const double slot_end[3] = {0.89, 0.11, 0.5};
+        static const double corner[4][3] = {
+            {-0.01, -0.01, 0.02}, {0.03, 0.03, 0.0}, {0.0, 0.0, -0.04}, {0.02, 0.0, -0.02}};
+        static const int32_t face[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+        for (int k = 0; k < 12; ++k) {
+            x[nodes + k / 3][k % 3] = slot_end[k % 3] + corner[k / 3][k % 3];
+            triangle[triangles + k / 3][k % 3] = nodes + face[k / 3][k % 3];
+        }
+        nodes += 4;
+        triangles += 4;
+    }
+    return make_mesh(nodes, (const double(*)[3])x, triangles, (const int32_t(*)[3])triangle, 0,
+                     NULL);
+}
+
+/* The ball of 24000 triangles takes more looks than there are. */
+TEST(what_fills_a_hole_is_known_to_cross_nothing)
+{
+    const struct {
+        int32_t rings;
+        bool is_pierced;
+        int64_t filled;
+    } cases[] = {{10, false, 1}, {10, true, 0}, {100, true, 0}};
+    for (int32_t i = 0; i < COUNT(cases); ++i) {
+        ss_mesh *mesh = make_slot(cases[i].rings, cases[i].is_pierced);
+        ss_mesh *mended = NULL;
+        ss_mesh_repairs done;
+        assert_int_equal(ss_mesh_repair(mesh, &mended, &done, NULL), SOFTSIM_OK);
+        if (done.filled_hole.count != cases[i].filled) {
+            fail_msg("case %d: %d filled", i, (int)done.filled_hole.count);
+        }
+        ss_mesh_destroy(&mended);
+        ss_mesh_destroy(&mesh);
+    }
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);
