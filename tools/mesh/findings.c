@@ -13,15 +13,6 @@
 
 /* ---- findings ---- */
 
-static void add_row(findings *f, const ss_mesh_fault *fault, const char *key, const char *what,
-                    const char *where, const char *remedy, bool is_harmless)
-{
-    if (fault->count > 0) {
-        f->row[f->row_count++] =
-            (ss_mesh_finding){key, fault, what, where, remedy, is_harmless, .is_minor = true};
-    }
-}
-
 /* The triangles of a surface decide the step of a network on it, and the tetrahedra beside it when
  * it is filled. */
 static const char *sliver_remedy(const ss_mesh *m)
@@ -49,41 +40,41 @@ static void add_own_rows(findings *f)
     for (int kind = first_body; kind < SS_MESH_KIND_COUNT; ++kind) {
         f->skipped.count += m->skipped[kind];
     }
-    add_row(f, &f->inside_out, "inside_out", "the surface is wound inside out", "", "flip it",
-            false);
     f->size.count = !is_usable_size(&f->report, f->is_metric);
-    if (f->size.count > 0) {
-        f->row[f->row_count++] =
-            (ss_mesh_finding){"size",
-                              &f->size,
-                              "a size that no scene takes (1e-7 to 1e5 m across)",
-                              "",
-                              f->is_metric ? "give other --units, or scale it"
-                                           : "scale it: it has that in no unit from mm to m",
-                              false,
-                              false};
+    const char *size_remedy = f->is_metric ? "give other --units, or scale it"
+                                           : "scale it: it has that in no unit from mm to m";
+    const char *sliver = m->tetrahedron_count > 0
+                             ? "slivers (a dihedral angle outside 10 to 170 degrees, or 20 times "
+                               "as long as high)"
+                             : "slivers (an angle below 10 degrees)";
+    const char *sliver_where = m->tetrahedron_count > 0 ? "tetrahedron"
+                               : m->quad_count > 0      ? "quad"
+                                                        : "triangle";
+    const ss_mesh_finding own[] = {
+        {"inside_out", &f->inside_out, "the surface is wound inside out", "", "flip it", false,
+         true},
+        {"size", &f->size, "a size that no scene takes (1e-7 to 1e5 m across)", "", size_remedy,
+         false, false},
+        {"hole", &f->hole, "holes", "at node", "close them if the body has a volume", true, true},
+        {"component", &f->part, "separate parts", "", "forces do not pass between them", true,
+         true},
+        {"self_intersection", &f->crossing, "triangles that cross others", "triangle",
+         "move them apart in the program that made it (a boolean union, or a remesh by voxels)",
+         true, true},
+        {"sliver", &f->quality.sliver, sliver, sliver_where, sliver_remedy(m), true, true},
+        {"joined_node", &f->joined, "vertices on top of others, joined as the file was read", "",
+         "merge vertices by distance", true, true},
+        {"unused_node", &f->unused, "vertices without a face, left out as the file was read", "",
+         "remove them", true, true},
+        {"skipped_element", &f->skipped, "elements of kinds that no model has, left out", "",
+         "divide them into tetrahedra, or triangles", true, true},
+    };
+    _Static_assert(sizeof own / sizeof *own == FINDINGS_OWN, "room for every row");
+    for (int i = 0; i < FINDINGS_OWN; ++i) {
+        if (own[i].fault->count > 0) {
+            f->row[f->row_count++] = own[i];
+        }
     }
-    add_row(f, &f->hole, "hole", "holes", "at node", "close them if the body has a volume", true);
-    add_row(f, &f->part, "component", "separate parts", "", "forces do not pass between them",
-            true);
-    add_row(f, &f->crossing, "self_intersection", "triangles that cross others", "triangle",
-            "move them apart in the program that made it (a boolean union, or a remesh by voxels)",
-            true);
-    add_row(
-        f, &f->quality.sliver, "sliver",
-        m->tetrahedron_count > 0
-            ? "slivers (a dihedral angle outside 10 to 170 degrees, or 20 times as long as high)"
-            : "slivers (an angle below 10 degrees)",
-        m->tetrahedron_count > 0 ? "tetrahedron"
-        : m->quad_count > 0      ? "quad"
-                                 : "triangle",
-        sliver_remedy(m), true);
-    add_row(f, &f->joined, "joined_node", "vertices on top of others, joined as the file was read",
-            "", "merge vertices by distance", true);
-    add_row(f, &f->unused, "unused_node", "vertices without a face, left out as the file was read",
-            "", "remove them", true);
-    add_row(f, &f->skipped, "skipped_element", "elements of kinds that no model has, left out", "",
-            "divide them into tetrahedra, or triangles", true);
 }
 
 /* As softsim-mesh scene and object.repair do; its size has a row of its own. */

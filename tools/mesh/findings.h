@@ -8,6 +8,8 @@
 #include "cost.h"
 #include "mesh/mesh.h"
 
+enum { FINDINGS_OWN = 9 }; /* rows beside those of ss_mesh_check */
+
 typedef struct findings {
     const char *path;
     bool is_metric; /* the file's unit was given */
@@ -21,7 +23,7 @@ typedef struct findings {
     bool is_check;
     ss_mesh_fault hole, crossing, part, inside_out, size, joined, unused, skipped;
     bool is_crossing_complete;
-    ss_mesh_finding row[SS_MESH_MAX_FINDINGS + 8];
+    ss_mesh_finding row[SS_MESH_MAX_FINDINGS + FINDINGS_OWN];
     int32_t row_count;
     model_cost cost[COST_MAX_MODELS];
     int32_t cost_count;
