@@ -307,7 +307,7 @@ static const struct {
      SOFTSIM_ERROR_FORMAT},
     {"huge.obj", "v 0 0 0\nv 1 0 0\nv 0 1e999 0\nf 1 2 3\n", "huge.obj:3: the position",
      SOFTSIM_ERROR_FORMAT},
-    {"short.obj", "v 0 0 0\nv 1 0\nv 0 0 0\nf 1 2 3\n", "short.obj:2: a vertex needs",
+    {"short.obj", "v 0 0 0\nv 1 0\nv 0 0 0\nf 1 2 3\n", "short.obj:2: a vertex has",
      SOFTSIM_ERROR_FORMAT},
     {"index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "", SOFTSIM_ERROR_FORMAT},
     {"negative.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -9\n", "", SOFTSIM_ERROR_FORMAT},

@@ -9,6 +9,8 @@
 
 #include "rt/files.h"
 
+const char beside_no_memory[] = "out of memory";
+
 /* ---- one open file ---- */
 
 static FILE *stream_of(const struct aiFile *file)
@@ -79,9 +81,8 @@ static bool is_beside(const beside_files *files, const char *path)
 static FILE *open_stream(beside_files *files, const char *path)
 {
     const char *why = NULL;
-    if (files->obj != NULL) {
-        return strcmp(path, files->path) == 0 ? fmemopen(files->obj->text, files->obj->size, "rb")
-                                              : NULL;
+    if (files->text != NULL) {
+        return strcmp(path, files->path) == 0 ? fmemopen(files->text, files->size, "rb") : NULL;
     }
     if (strcmp(path, files->path) != 0 && !is_beside(files, path)) {
         return refuse(files, path, "not beside it; put what it needs into its own folder");
@@ -115,12 +116,14 @@ static void close_file(struct aiFileIO *io, struct aiFile *file)
     free(file);
 }
 
-void beside_init(beside_files *files, const char *path, const obj_text *obj)
+void beside_init(beside_files *files, const char *path, char *text, size_t size)
 {
     const char *slash = strrchr(path, '/');
     char folder[PATH_MAX];
-    *files = (beside_files){
-        .io = {open_file, close_file, (aiUserData)(void *)files}, .path = path, .obj = obj};
+    *files = (beside_files){.io = {open_file, close_file, (aiUserData)(void *)files},
+                            .path = path,
+                            .text = text,
+                            .size = size};
     const int length =
         snprintf(folder, sizeof folder, "%.*s.", slash != NULL ? (int)(slash - path) + 1 : 0, path);
     if (length >= (int)sizeof folder || realpath(folder, files->folder) == NULL) {

@@ -129,9 +129,9 @@ static const char *no_face(const struct aiScene *scene, const int64_t count[SHAP
 
 /* The colours of a prepared OBJ text are numbers. Faces are counted before anything is done to
  * them, and cut unless all are quads; s->corners tells. NULL: assimp or *out_problem says why. */
-static const struct aiScene *read_scene(beside_files *files, surface *s, const char **out_problem)
+static const struct aiScene *read_scene(beside_files *files, const obj_text *obj, surface *s,
+                                        const char **out_problem)
 {
-    const obj_text *obj = files->obj;
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS,
                                aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
@@ -342,18 +342,19 @@ static const char *assimp_problem(void)
 /* NULL when good, else what is wrong and what to do. */
 static const char *read_surface(const char *path, surface *s)
 {
-    obj_text prepared;
+    obj_text prepared = {0}; /* of a PLY the text alone */
     const obj_text *obj = has_ending(path, ".obj") ? &prepared : NULL;
     const char *problem = obj != NULL                ? obj_prepare(path, &prepared)
                           : has_ending(path, ".stl") ? stl_check(path)
-                          : has_ending(path, ".ply") ? ply_check(path)
-                                                     : NULL;
+                          : has_ending(path, ".ply")
+                              ? ply_prepare(path, &prepared.text, &prepared.size)
+                              : NULL;
     if (problem != NULL) {
-        return problem == obj_no_memory ? say_no_memory() : problem;
+        return problem == beside_no_memory ? say_no_memory() : problem;
     }
     static beside_files files;
-    beside_init(&files, path, obj);
-    const struct aiScene *scene = read_scene(&files, s, &problem);
+    beside_init(&files, path, prepared.text, prepared.size);
+    const struct aiScene *scene = read_scene(&files, obj, s, &problem);
     if (scene == NULL && files.refused[0] != '\0') {
         return files.refused;
     }

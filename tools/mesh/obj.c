@@ -8,13 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "beside.h"
 #include "rt/files.h"
 
-/* A vertex line for assimp: three numbers of nine digits and three of at most four. */
-enum { MAX_LINE = 80, MAX_NUMBER = 63, NUMBER_BITS = 12, NUMBER_MASK = (1 << NUMBER_BITS) - 1 };
+/* A vertex line for assimp: three numbers of nine digits and three of at most four. Of a word in an
+ * error: MAX_SHOWN. */
+enum { MAX_LINE = 80, MAX_SHOWN = 20, NUMBER_BITS = 12, NUMBER_MASK = (1 << NUMBER_BITS) - 1 };
 
 static char problem[160];
-const char obj_no_memory[] = "out of memory";
 
 static const char *blame(int64_t line, const char *what)
 {
@@ -22,7 +23,7 @@ static const char *blame(int64_t line, const char *what)
     return problem;
 }
 
-/* NULL with what is wrong. */
+/* With a zero behind it. NULL with what is wrong. */
 static char *read_file(const char *path, size_t *out_size, const char **out_problem)
 {
     int64_t size = 0;
@@ -35,8 +36,11 @@ static char *read_file(const char *path, size_t *out_size, const char **out_prob
     }
     char *text = malloc((size_t)size + 1);
     *out_size = text != NULL ? fread(text, 1, (size_t)size, file) : 0;
-    *out_problem = obj_no_memory;
+    *out_problem = beside_no_memory;
     (void)fclose(file);
+    if (text != NULL) {
+        text[*out_size] = '\0';
+    }
     return text;
 }
 
@@ -45,40 +49,53 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r';
 }
 
-/* Takes up to `max` numbers off begin..end; returns how many, or -1 for anything else there. */
-static int read_numbers(const char *begin, const char *end, int max, double *out)
+/* Reads all numbers of begin..end, of any length, and keeps the first `room`. At `end` is a line's
+ * end, a comment or the text's zero, which no number runs over. NULL, or the word that is none. */
+static const char *read_numbers(const char *begin, const char *end, int room, double *out,
+                                int *out_count)
 {
-    int count = 0;
-    for (const char *at = begin; at < end;) {
-        char word[MAX_NUMBER + 1];
-        size_t length = 0;
-        while (at < end && is_blank(*at)) {
-            ++at;
+    *out_count = 0;
+    for (const char *at = begin; at < end; ++at) {
+        if (is_blank(*at)) {
+            continue;
         }
-        while (at < end && !is_blank(*at) && length < MAX_NUMBER) {
-            word[length++] = *at++;
-        }
-        if (length == 0) {
-            break;
-        }
-        word[length] = '\0';
         char *stop = NULL;
-        const double value = strtod(word, &stop);
-        if (stop != word + length || count == max) {
-            return -1;
+        const double value = strtod(at, &stop);
+        if (stop == at || (stop < end && !is_blank(*stop))) {
+            return at;
         }
-        out[count++] = value;
+        if (*out_count < room) {
+            out[*out_count] = value;
+        }
+        ++*out_count;
+        at = stop;
     }
-    return count;
+    return NULL;
 }
 
-/* x y z, x y z w (homogeneous), or x y z and a colour. */
-static const char *read_position(const char *begin, const char *end, int64_t line, double out[3])
+/* x y z, x y z w (homogeneous), or x y z and a colour; `start` is the line's. */
+static const char *read_position(const char *start, const char *begin, const char *end,
+                                 int64_t line, double out[3])
 {
     double value[7] = {0.0};
-    const int count = read_numbers(begin, end, 7, value);
-    if (count < 3 || count == 5) {
-        return blame(line, "a vertex needs three numbers, x y z: correct it");
+    char what[120];
+    int count = 0;
+    const char *bad = read_numbers(begin, end, 7, value, &count);
+    if (bad != NULL) {
+        int length = 0;
+        while (bad + length < end && !is_blank(bad[length]) && length < MAX_SHOWN) {
+            ++length;
+        }
+        (void)snprintf(what, sizeof what, "column %lld: '%.*s' is not a number: correct it",
+                       (long long)(bad - start) + 1, length, bad);
+        return blame(line, what);
+    }
+    if (count < 3 || count == 5 || count > 7) {
+        (void)snprintf(what, sizeof what,
+                       "a vertex has three numbers, x y z, then a weight or a colour; this has %d: "
+                       "correct it",
+                       count);
+        return blame(line, what);
     }
     for (int k = 0; k < 3; ++k) {
         out[k] = count == 4 ? value[k] / value[3] : value[k];
@@ -105,16 +122,17 @@ static int64_t count_vertices(const char *text, const char *end)
     return count;
 }
 
-/* One line, without its comment, from begin to end. */
-static const char *rewrite_line(obj_text *out, const char *begin, const char *end, int64_t line)
+/* One line, without its comment, from start to end. */
+static const char *rewrite_line(obj_text *out, const char *start, const char *end, int64_t line)
 {
+    const char *begin = start;
     while (begin < end && is_blank(*begin)) {
         ++begin;
     }
     if (starts_with(begin, end, "v")) {
         const int64_t number = out->count;
         double *x = out->position[number];
-        const char *fault = read_position(begin + 1, end, line, x);
+        const char *fault = read_position(start, begin + 1, end, line, x);
         if (fault != NULL) {
             return fault;
         }
@@ -146,7 +164,7 @@ const char *obj_prepare(const char *path, obj_text *out)
     out->text = malloc(size + 2 + MAX_LINE * ((size_t)count + 1));
     out->position = malloc(((size_t)count + 1) * sizeof *out->position);
     if (out->text == NULL || out->position == NULL) {
-        return obj_no_memory;
+        return beside_no_memory;
     }
     int64_t line = 0;
     const bool has_mark = size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0;

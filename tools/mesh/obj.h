@@ -19,9 +19,8 @@ typedef struct obj_text {
     int64_t count;
 } obj_text;
 
-/* NULL when good, else what is wrong, ":LINE: ..." where a line is to blame, or obj_no_memory. In a
- * process that ends soon: nothing is freed. */
-extern const char obj_no_memory[];
+/* NULL when good, else what is wrong, ":LINE: ..." where a line is to blame, or beside_no_memory.
+ * In a process that ends soon: nothing is freed. */
 const char *obj_prepare(const char *path, obj_text *out);
 
 /* The vertex number behind a colour. */

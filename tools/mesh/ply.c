@@ -2,8 +2,11 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * The header lists elements with their counts, and of each the properties: numbers of a type, or
- * lists of so many. The body is walked through by these, number by number; what they mean is
- * assimp's.
+ * lists of so many. The body is walked through by these, in memory: of a text, an element is a
+ * line, with at least its numbers; what more is there, assimp skips. What goes to assimp is packed
+ * over what was read: elements that it knows, as it does not step over others; of a text, a line
+ * for each, as it takes an empty line for an element, and goes on with the line before where the
+ * last has no end. What the numbers mean is assimp's.
  */
 #include "ply.h"
 
@@ -14,9 +17,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "beside.h"
 #include "rt/files.h"
 
-enum { MAX_LINE = 512, MAX_NAME = 32, MAX_ELEMENTS = 16, MAX_PROPERTIES = 64, MAX_TOKEN = 64 };
+enum { MAX_LINE = 512, MAX_NAME = 32, MAX_ELEMENTS = 16, MAX_PROPERTIES = 64 };
+#define BLANKS    " \t"
+#define LINE_ENDS "\r\n\f" /* to assimp; so is a zero */
 
 typedef struct property {
     int count_bytes, bytes; /* of a list's count, 0: it is none; of a number */
@@ -31,6 +37,10 @@ typedef struct element {
 
 typedef struct ply {
     FILE *file;
+    int64_t line; /* of a text, so many are behind */
+    char *at;     /* what is next in the body; a zero is behind it all */
+    const char *end;
+    char *out; /* where the next goes: at most at `at`, but for the last line's end */
     bool is_text, is_big_endian;
     int elements;
     element element[MAX_ELEMENTS];
@@ -92,68 +102,74 @@ static bool take_line(ply *p, const char *line)
         q->bytes = sscanf(line, "property %31s", type) == 1 ? bytes_of(type) : 0;
         return q->bytes > 0;
     }
-    return strncmp(line, "ply", 3) == 0 || strncmp(line, "comment", 7) == 0 ||
-           strncmp(line, "obj_info", 8) == 0;
+    return strncmp(line, "comment", 7) == 0 || strncmp(line, "obj_info", 8) == 0;
 }
+
+/* What is too long is left out, as of a comment. False at the file's end. */
+static bool read_line(ply *p, char out[MAX_LINE])
+{
+    int length = 0;
+    int c = getc(p->file);
+    for (; c != EOF && c != '\n' && c != '\r'; c = getc(p->file)) {
+        out[length] = (char)c;
+        length += length < MAX_LINE - 1;
+    }
+    out[length] = '\0';
+    const int next = c == '\r' ? getc(p->file) : EOF;
+    if (next != EOF && next != '\n') {
+        (void)ungetc(next, p->file);
+    }
+    ++p->line;
+    return c != EOF;
+}
+
+typedef enum header { IS_UNKNOWN, IS_CUT, IS_TOLD } header;
 
 /* The file is then at its body. */
-static bool read_header(ply *p)
+static header read_header(ply *p)
 {
     char line[MAX_LINE];
-    bool is_first = true;
-    while (fgets(line, sizeof line, p->file) != NULL) {
+    bool is_told = true;
+    if (!read_line(p, line) || strcmp(line, "ply") != 0) {
+        return IS_UNKNOWN;
+    }
+    while (read_line(p, line)) {
         if (strncmp(line, "end_header", 10) == 0) {
-            return !is_first;
+            return is_told ? IS_TOLD : IS_UNKNOWN;
         }
-        if ((is_first && strncmp(line, "ply", 3) != 0) || !take_line(p, line)) {
-            return false;
-        }
-        is_first = false;
+        is_told = take_line(p, line) && is_told;
     }
-    return false;
-}
-
-static bool take_token(FILE *file, char token[MAX_TOKEN])
-{
-    int c = getc(file);
-    while (c != EOF && isspace(c)) {
-        c = getc(file);
-    }
-    int length = 0;
-    for (; c != EOF && !isspace(c); c = getc(file)) {
-        token[length] = (char)c;
-        length += length < MAX_TOKEN - 1;
-    }
-    token[length] = '\0';
-    return length > 0;
+    return IS_CUT;
 }
 
 /* A number of the body, which is a list's count where `out_count` is given. */
-static bool take_number(const ply *p, int bytes, int64_t *out_count)
+static bool take_number(ply *p, int bytes, int64_t *out_count)
 {
-    char token[MAX_TOKEN];
-    unsigned char raw[8] = {0};
     uint64_t value = 0;
     if (p->is_text) {
-        const bool is_there = take_token(p->file, token);
-        if (is_there && out_count != NULL) {
-            *out_count = strtoll(token, NULL, 10);
+        p->at += strspn(p->at, BLANKS);
+        const size_t length = strcspn(p->at, BLANKS LINE_ENDS);
+        if (length > 0 && out_count != NULL) {
+            *out_count = strtoll(p->at, NULL, 10);
         }
-        return is_there;
+        p->at += length;
+        return length > 0;
     }
-    if (fread(raw, 1, (size_t)bytes, p->file) != (size_t)bytes) {
+    if (p->end - p->at < bytes) {
         return false;
     }
     for (int k = 0; k < bytes; ++k) {
-        value |= (uint64_t)raw[p->is_big_endian ? bytes - 1 - k : k] << 8 * k;
+        const int byte = p->is_big_endian ? bytes - 1 - k : k;
+        value |= (uint64_t)(unsigned char)p->at[byte] << 8 * k;
     }
+    p->at += bytes;
     if (out_count != NULL) {
         *out_count = (int64_t)value;
     }
     return true;
 }
 
-static bool take_element(const ply *p, const element *e)
+static bool take_properties(ply *p, const element *e)
 {
     for (int k = 0; k < e->properties; ++k) {
         const property *q = &e->property[k];
@@ -170,30 +186,102 @@ static bool take_element(const ply *p, const element *e)
     return true;
 }
 
-const char *ply_check(const char *path)
+/* To what is written next in a text; false at its end. */
+static bool skip_blanks(ply *p)
+{
+    for (; p->at < p->end && (*p->at == '\0' || isspace((unsigned char)*p->at)); ++p->at) {
+        p->line += *p->at == '\n';
+    }
+    return p->at < p->end;
+}
+
+static bool is_known(const element *e)
+{
+    static const char *const names[] = {"vertex", "face", "tristrips", "edge", "material"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        if (strcmp(e->name, names[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool take_element(ply *p, const element *e)
+{
+    if (p->is_text && !skip_blanks(p)) {
+        return false;
+    }
+    const char *begin = p->at;
+    if (!take_properties(p, e)) {
+        return false;
+    }
+    p->at += p->is_text ? strcspn(p->at, LINE_ENDS) : 0;
+    const size_t size = (size_t)(p->at - begin);
+    if (p->is_text && p->at < p->end) {
+        p->line += *p->at++ == '\n';
+    }
+    if (is_known(e)) {
+        memmove(p->out, begin, size);
+        p->out += size;
+        if (p->is_text) {
+            *p->out++ = '\n';
+        }
+    }
+    return true;
+}
+
+/* Why the element behind the first `there` is not whole. */
+static const char *blame(ply *p, const element *e, int64_t there)
+{
+    const int64_t line = p->line + 1;
+    if (p->is_text && skip_blanks(p)) {
+        (void)snprintf(problem, sizeof problem,
+                       ":%lld: fewer numbers than its header says of element %s: correct the line "
+                       "or the header",
+                       (long long)line, e->name);
+    } else {
+        (void)snprintf(problem, sizeof problem,
+                       "it is cut off: its header says %lld of element %s, and %lld are whole: "
+                       "copy it, or write it, once more%s",
+                       (long long)e->count, e->name, (long long)there,
+                       p->is_text ? ", each on a line" : "");
+    }
+    return problem;
+}
+
+const char *ply_prepare(const char *path, char **out_text, size_t *out_size)
 {
     static ply p;
     int64_t size = 0;
-    const char *why = NULL, *found = NULL;
+    const char *why = NULL;
     p = (ply){.file = ss_files_open_stream(path, &size, &why)};
-    if (p.file == NULL) {
-        return NULL; /* assimp says so */
+    *out_text = NULL;
+    const header found = p.file != NULL ? read_header(&p) : IS_UNKNOWN;
+    if (found != IS_TOLD) {
+        /* assimp says of another what it is, and reads such a header without end. */
+        return found == IS_CUT ? "it is cut off: its header has no line end_header: copy it, or "
+                                 "write it, once more"
+                               : NULL;
     }
-    const bool is_told = read_header(&p);
-    for (int i = 0; is_told && i < p.elements && found == NULL; ++i) {
-        const element *e = &p.element[i];
-        int64_t there = 0;
-        while (e->properties > 0 && there < e->count && take_element(&p, e)) {
-            ++there;
-        }
-        if (e->properties > 0 && there < e->count) {
-            (void)snprintf(problem, sizeof problem,
-                           "it is cut off: its header says %lld of element %s, and %lld are whole: "
-                           "copy it, or write it, once more",
-                           (long long)e->count, e->name, (long long)there);
-            found = problem;
-        }
+    const long head = ftell(p.file);
+    char *text = malloc((size_t)size + 2); /* a line's end and a zero more */
+    if (text == NULL) {
+        return beside_no_memory;
     }
+    rewind(p.file);
+    p.end = text + fread(text, 1, (size_t)size, p.file);
     (void)fclose(p.file);
-    return found;
+    text[p.end - text] = '\0';
+    p.at = p.out = text + head;
+    for (int i = 0; i < p.elements; ++i) {
+        const element *e = &p.element[i];
+        for (int64_t there = 0; e->properties > 0 && there < e->count; ++there) {
+            if (!take_element(&p, e)) {
+                return blame(&p, e, there);
+            }
+        }
+    }
+    *out_text = text;
+    *out_size = (size_t)(p.out - text);
+    return NULL;
 }
