@@ -226,7 +226,7 @@ TEST(obj_numbers_may_have_any_number_of_digits)
     }
 }
 
-TEST(obj_vertices_that_cannot_be_read_are_told_with_their_place)
+TEST(obj_lines_that_cannot_be_read_are_told_with_their_place)
 {
     static const import_case cases[] = {
         {"word.obj", "v 0 0 0\n  v 1\t0.5x 0\n", 0,
@@ -239,6 +239,8 @@ TEST(obj_vertices_that_cannot_be_read_are_told_with_their_place)
          "two.obj:1: a vertex has three numbers, x y z, then a weight or a colour; this has 2: "},
         {"five.obj", "v 1 2 3 4 5\n", 0, "; this has 5: correct it"},
         {"eight.obj", "v 1 2 3 4 5 6 7 8\n", 0, "; this has 8: correct it"},
+        {"cut.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1/1  2/2 ", 0,
+         "cut.obj:5: a face needs three corners or more: "},
         {"far.obj", "v 1 2 1e400\n", 0, "far.obj:1: the position of this vertex is not finite"},
     };
     assert_int_equal(count_wrong(cases, COUNT(cases)), 0);

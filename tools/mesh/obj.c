@@ -122,6 +122,16 @@ static int64_t count_vertices(const char *text, const char *end)
     return count;
 }
 
+/* assimp crashes on one of less; a line that goes on in the next may have its corners there. */
+static bool has_three_corners(const char *begin, const char *end)
+{
+    int words = 0;
+    for (const char *at = begin; at < end; ++at) {
+        words += !is_blank(*at) && is_blank(at[-1]);
+    }
+    return words >= 3 || memchr(begin, '\\', (size_t)(end - begin)) != NULL;
+}
+
 /* One line, without its comment, from start to end. */
 static const char *rewrite_line(obj_text *out, const char *start, const char *end, int64_t line)
 {
@@ -142,6 +152,9 @@ static const char *rewrite_line(obj_text *out, const char *start, const char *en
                      (int)(number >> 2 * NUMBER_BITS));
         out->size += (size_t)length;
         ++out->count;
+    } else if (starts_with(begin, end, "f") && !has_three_corners(begin + 1, end)) {
+        return blame(line, "a face needs three corners or more: correct it, or copy the file once "
+                           "more where it is cut off");
     } else if (!starts_with(begin, end, "mtllib") && !starts_with(begin, end, "usemtl")) {
         memcpy(out->text + out->size, begin, (size_t)(end - begin));
         out->size += (size_t)(end - begin);
