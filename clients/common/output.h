@@ -15,8 +15,9 @@
  * by a signal too, keeps the name NAME.part, which is said. On a full disk it is cut back to the
  * last whole row that found room, kept under the name NAME.part, and the fault names it. Writing to
  * NAME itself was rejected: a file of that name is then no longer a complete one. A NAME.part that
- * a killed program left is written over like NAME, one that is being written is refused. Thread:
- * one at a time.
+ * a killed program left is written over like NAME, one that is being written is refused.
+ *
+ * Thread: one at a time.
  */
 #include <stdbool.h>
 #include <stdint.h>

@@ -50,7 +50,7 @@ static bool is_blank(char c)
 }
 
 /* Reads all numbers of begin..end, of any length, and keeps the first `room`. At `end` is a line's
- * end, a comment or the text's zero, which no number runs over. NULL, or the word that is none. */
+ * end, a comment or the text's zero. NULL, or the word that is no number. */
 static const char *read_numbers(const char *begin, const char *end, int room, double *out,
                                 int *out_count)
 {
@@ -61,7 +61,7 @@ static const char *read_numbers(const char *begin, const char *end, int room, do
         }
         char *stop = NULL;
         const double value = strtod(at, &stop);
-        if (stop == at || (stop < end && !is_blank(*stop))) {
+        if (stop == at || stop > end || (stop < end && !is_blank(*stop))) {
             return at;
         }
         if (*out_count < room) {

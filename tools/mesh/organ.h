@@ -48,7 +48,7 @@ typedef struct organ {
 
     double towards[3]; /* the side that the hand comes from */
     const char *side, *axes;
-    char fixed[2048];    /* the entries of object.fixed, a line each; "": none */
+    char fixed[2048];    /* the entries of object.fixed, a line each */
     double radius;       /* of the tool */
     double usual_radius; /* that the body's size alone would ask for */
     double depth;        /* at which the force is read */
@@ -92,7 +92,8 @@ bool organ_is_stiff(const organ *o);
 /* Why a model of tetrahedra cannot have this surface, and the commands that fill it. */
 softsim_status organ_refuse_surface(const organ_request *q, const organ *o, softsim_error *error);
 /* Adds to the fault of a scene that could not be made what would make one, where that is known. */
-void organ_advise(const organ_request *q, const organ *o, softsim_error *error);
+void organ_advise(const organ_request *q, const organ *o, softsim_status status,
+                  softsim_error *error);
 /* Warnings, what was written and how it is felt, and what comes next. */
 void organ_report(const organ_request *q, const organ *o);
 

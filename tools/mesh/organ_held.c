@@ -113,16 +113,36 @@ static void measure_parts(const ss_mesh *mesh, const organ *o, const double poin
     }
 }
 
-/* Adds a box to what is held, that has the side of a part away from the hand. */
-static void hold_part(organ *o, const part *own)
+/* Do the nodes of body `number` in a box hold it? */
+static bool holds(const ss_mesh *mesh, const organ *o, const int32_t *body, int32_t number,
+                  const double low[3], const double high[3])
+{
+    part own = {.is_held = false};
+    for (int32_t i = 0; i < mesh->node_count && !own.is_held; ++i) {
+        const double *x = mesh->position[i];
+        if (body[i] == number && x[0] >= low[0] && x[1] >= low[1] && x[2] >= low[2] &&
+            x[0] <= high[0] && x[1] <= high[1] && x[2] <= high[2]) {
+            hold_node(&own, x, o->diagonal);
+        }
+    }
+    return own.is_held;
+}
+
+/* Adds a box to what is held, that has the side of a part away from the hand: as much as holds. */
+static void hold_part(const ss_mesh *mesh, organ *o, const int32_t *body, int32_t number,
+                      const part *own)
 {
     const size_t used = strlen(o->fixed);
     double low[3], high[3];
-    for (int k = 0; k < 3; ++k) {
-        const double a = o->towards[k], height = HELD_SHARE * (own->high[k] - own->low[k]);
-        low[k] = a < 0.0 ? own->high[k] - height : own->low[k];
-        high[k] = a > 0.0 ? own->low[k] + height : own->high[k];
-    }
+    double share = HELD_SHARE;
+    do {
+        for (int k = 0; k < 3; ++k) {
+            const double a = o->towards[k], height = share * (own->high[k] - own->low[k]);
+            low[k] = a < 0.0 ? own->high[k] - height : own->low[k];
+            high[k] = a > 0.0 ? own->low[k] + height : own->high[k];
+        }
+        share += HELD_MORE;
+    } while (share < 1.0 && !holds(mesh, o, body, number, low, high));
     (void)snprintf(o->fixed + used, sizeof o->fixed - used,
                    "\n    - {box_m: [[%.5f, %.5f, %.5f], [%.5f, %.5f, %.5f]]}", low[0] - 1e-5,
                    low[1] - 1e-5, low[2] - 1e-5, high[0] + 1e-5, high[1] + 1e-5, high[2] + 1e-5);
@@ -141,7 +161,7 @@ static void hold_parts(const ss_mesh *mesh, organ *o, const double point[3])
         }
         for (int32_t i = 0; i < o->part_count && o->loose_count <= MAX_HELD_PARTS; ++i) {
             if (!parts[i].is_held) {
-                hold_part(o, &parts[i]);
+                hold_part(mesh, o, body, i, &parts[i]);
                 ++o->boxed_count;
             }
         }

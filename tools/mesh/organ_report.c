@@ -14,6 +14,7 @@
 #include "rt/plain.h"
 
 static const double SOFT = 0.5, HARD = 1.6; /* times Hertz's: told beyond */
+static const double STIFF = 1.3;            /* of linear tetrahedra, which only err so */
 static const double NEARLY = 0.8;           /* of a step's time: hardly faster than real time */
 static const double UNEVEN = 0.8;           /* of the edges that a press needs */
 static const double MOST_TRIANGLES = 2e4;   /* more are not felt in time by any model */
@@ -64,7 +65,7 @@ static double even_edge(const organ_request *q, const organ *o)
 bool organ_is_stiff(const organ *o)
 {
     return o->model->needs_volume && !o->model->takes_second_order && o->trial.has_touched &&
-           organ_ratio(o) > HARD;
+           organ_ratio(o) > STIFF;
 }
 
 /* Can a mesh of even edges be made that is felt in time? What crosses itself is for another
@@ -286,17 +287,21 @@ static void write_even_scene(FILE *out, const organ_request *q, const organ *o)
     write_again(out, q, o);
 }
 
-void organ_advise(const organ_request *q, const organ *o, softsim_error *error)
+void organ_advise(const organ_request *q, const organ *o, softsim_status status,
+                  softsim_error *error)
 {
+    /* Of a place to press that is not found, mesh and model are no reason. */
+    const bool is_of_place = status == SOFTSIM_ERROR_ARGUMENT;
     const bool is_uneven = is_coarse(o) || o->is_fanned || is_needlessly_fine(q, o);
-    char *text = is_uneven && can_be_even(q, o) ? text_of(write_even_scene, q, o) : NULL;
+    char *text =
+        !is_of_place && is_uneven && can_be_even(q, o) ? text_of(write_even_scene, q, o) : NULL;
     if (text != NULL) {
         softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
                           "%s: its edges, %.3g mm in the mean, do not suit a hand's tool: %s",
                           q->mesh, 1e3 * o->edge, text);
     }
     free(text);
-    if (q->model != NULL) {
+    if (q->model != NULL && !is_of_place) {
         softsim_error_add(
             error, SOFTSIM_ERROR_ARGUMENT,
             "--model: scene writes what a tissue says; what %s needs besides goes into "

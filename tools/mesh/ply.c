@@ -16,11 +16,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "beside.h"
 #include "rt/files.h"
 
-enum { MAX_LINE = 512, MAX_NAME = 32, MAX_ELEMENTS = 16, MAX_PROPERTIES = 64 };
+enum { MAX_LINE = 512, MAX_NAME = 32, MAX_ELEMENTS = 16, MAX_PROPERTIES = 256 };
 #define BLANKS    " \t"
 #define LINE_ENDS "\r\n\f" /* to assimp; so is a zero */
 
@@ -105,14 +106,18 @@ static bool take_line(ply *p, const char *line)
     return strncmp(line, "comment", 7) == 0 || strncmp(line, "obj_info", 8) == 0;
 }
 
-/* What is too long is left out, as of a comment. False at the file's end. */
+/* Without the blanks around it; what is too long is left out, as of a comment. False at the file's
+ * end. */
 static bool read_line(ply *p, char out[MAX_LINE])
 {
     int length = 0;
     int c = getc(p->file);
     for (; c != EOF && c != '\n' && c != '\r'; c = getc(p->file)) {
-        out[length] = (char)c;
-        length += length < MAX_LINE - 1;
+        out[length] = c == '\t' ? ' ' : (char)c;
+        length += length < MAX_LINE - 1 && (length > 0 || out[0] != ' ');
+    }
+    while (length > 0 && out[length - 1] == ' ') {
+        --length;
     }
     out[length] = '\0';
     const int next = c == '\r' ? getc(p->file) : EOF;
@@ -123,21 +128,27 @@ static bool read_line(ply *p, char out[MAX_LINE])
     return c != EOF;
 }
 
-typedef enum header { IS_UNKNOWN, IS_CUT, IS_TOLD } header;
+typedef enum header { IS_NO_PLY, IS_UNKNOWN, IS_CUT, IS_TOLD } header;
 
 /* The file is then at its body. */
 static header read_header(ply *p)
 {
     char line[MAX_LINE];
     bool is_told = true;
-    if (!read_line(p, line) || strcmp(line, "ply") != 0) {
-        return IS_UNKNOWN;
+    if (!read_line(p, line) || strcasecmp(line, "ply") != 0) {
+        return IS_NO_PLY;
     }
     while (read_line(p, line)) {
         if (strncmp(line, "end_header", 10) == 0) {
             return is_told ? IS_TOLD : IS_UNKNOWN;
         }
-        is_told = take_line(p, line) && is_told;
+        if (is_told && line[0] != '\0' && !take_line(p, line)) {
+            is_told = false;
+            (void)snprintf(problem, sizeof problem,
+                           ":%lld: '%.60s' is no line of a header that is known here: correct it, "
+                           "or write the file as STL",
+                           (long long)p->line, line);
+        }
     }
     return IS_CUT;
 }
@@ -169,14 +180,17 @@ static bool take_number(ply *p, int bytes, int64_t *out_count)
     return true;
 }
 
+/* A face whose first list is empty has no corners, which assimp does not bear. */
 static bool take_properties(ply *p, const element *e)
 {
+    int64_t least = strcmp(e->name, "face") == 0;
     for (int k = 0; k < e->properties; ++k) {
         const property *q = &e->property[k];
         int64_t count = 1;
-        if (q->count_bytes > 0 && !take_number(p, q->count_bytes, &count)) {
+        if (q->count_bytes > 0 && (!take_number(p, q->count_bytes, &count) || count < least)) {
             return false;
         }
+        least = q->count_bytes > 0 ? 0 : least;
         for (int64_t i = 0; i < count; ++i) {
             if (!take_number(p, q->bytes, NULL)) {
                 return false;
@@ -256,12 +270,13 @@ const char *ply_prepare(const char *path, char **out_text, size_t *out_size)
     const char *why = NULL;
     p = (ply){.file = ss_files_open_stream(path, &size, &why)};
     *out_text = NULL;
-    const header found = p.file != NULL ? read_header(&p) : IS_UNKNOWN;
+    const header found = p.file != NULL ? read_header(&p) : IS_NO_PLY;
     if (found != IS_TOLD) {
         /* assimp says of another what it is, and reads such a header without end. */
-        return found == IS_CUT ? "it is cut off: its header has no line end_header: copy it, or "
-                                 "write it, once more"
-                               : NULL;
+        return found == IS_NO_PLY ? NULL
+               : found == IS_CUT  ? "it is cut off: its header has no line end_header: copy it, or "
+                                    "write it, once more"
+                                  : problem;
     }
     const long head = ftell(p.file);
     char *text = malloc((size_t)size + 2); /* a line's end and a zero more */

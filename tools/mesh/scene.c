@@ -396,6 +396,7 @@ static softsim_status find_place(const organ_request *q, softsim_world *world, o
 static bool press(softsim_world *world, organ *o, double deepest)
 {
     trial_press p = {.depth = o->depth, .deepest = deepest, .limit = o->max_force};
+    p.expected = trial_hertz(o->tissue->youngs_modulus, tissue_poisson_ratio, o->radius, o->depth);
     ss_copy3(p.origin, o->touch.origin);
     ss_copy3(p.towards, o->towards);
     trial_run(world, &p, &o->trial);
@@ -505,6 +506,11 @@ static int next_model(const organ *o, const char *const name[], int at, int coun
     return at;
 }
 
+static bool is_pressed_well(const organ *o, softsim_status status)
+{
+    return status == SOFTSIM_OK && o->trial.has_touched && o->trial.verdict == SOFTSIM_VERDICT_GOOD;
+}
+
 /* Goes through the models that may do until one is good; the last is kept otherwise. */
 static softsim_status choose_model(const organ_request *q, ss_output *output, organ *o,
                                    softsim_error *error)
@@ -514,6 +520,8 @@ static softsim_status choose_model(const organ_request *q, ss_output *output, or
                               : o->is_second_order ? wanted[ORGAN_FOR_ACCURACY]
                                                    : wanted[q->purpose];
     const int count = q->model != NULL ? 1 : MAX_MODELS;
+    char before[sizeof o->passed_over] = "";
+    int stiff = -1; /* one that is good but for its force, which is better than none that is good */
     softsim_status status = SOFTSIM_ERROR_UNSUPPORTED;
     bool is_good = false;
     for (int i = next_model(o, name, 0, count), next; i < count && !is_good; i = next) {
@@ -528,6 +536,18 @@ static softsim_status choose_model(const organ_request *q, ss_output *output, or
         if (status == SOFTSIM_ERROR_ARGUMENT) {
             break; /* no model would do */
         }
+        if (is_pressed_well(o, status) && organ_is_stiff(o)) {
+            stiff = i;
+            memcpy(before, o->passed_over, sizeof before);
+        }
+    }
+    if (stiff >= 0 && !is_pressed_well(o, status)) {
+        memcpy(o->passed_over, before, sizeof before);
+        note_passed_over(o, status, error);
+        *error = (softsim_error){0};
+        o->model = ss_model_find(name[stiff]);
+        o->trial = (trial_result){0};
+        status = try_model(q, output, o, true, &is_good, error);
     }
     if (status == SOFTSIM_ERROR_UNSUPPORTED) {
         softsim_error_add(error, status, "%s: no model that is built in takes it: %s", q->mesh,
@@ -597,7 +617,7 @@ static softsim_status make(const organ_request *q, ss_mesh *mesh, ss_output *out
     status = organ_choose_fixed(q, mesh, o, error);
     status = status == SOFTSIM_OK ? leftover_open(output, q->out, error) : status;
     if (status == SOFTSIM_OK && (status = choose_model(q, output, o, error)) != SOFTSIM_OK) {
-        organ_advise(q, o, error);
+        organ_advise(q, o, status, error);
     }
     status = status == SOFTSIM_OK ? write_text(output, o, false, error) : status;
     return status == SOFTSIM_OK ? finish(q, output, o, error) : status;

@@ -12,56 +12,18 @@
 static const double DRAWN_IN = -1e-3;
 static const double ASIDE = 0.4;    /* of the force: the surface slopes by 22 degrees */
 static const double HARDLY = 0.2;   /* of the depth: less indentation is no press */
+static const double NOTHING = 0.01; /* of what is expected */
 static const double LIMITED = 0.95; /* of the limit: the tissue's own force may be more */
-/* s: of the parts of a press. */
-static const double COMES = 0.2, SETTLES = 0.3, DEEPENS = 0.2, STAYS = 0.1, LEAVES = 0.2;
-static const double READ = 0.05; /* s at the end of a hold in which force and depth are read */
-static const double CLEAR_SHARE = 1.0; /* of the depth: where it begins and ends, above */
-
-/* How far above the touch the tool is aimed to be at time t; negative: in the tissue. */
-static double height_at(const trial_press *press, double t)
-{
-    const double above = CLEAR_SHARE * press->depth;
-    double u = t / COMES;
-    if (u < 1.0) {
-        return above - u * (above + press->depth);
-    }
-    t -= COMES + SETTLES;
-    u = fmin(fmax(t / DEEPENS, 0.0), 1.0);
-    const double down = press->depth + u * (press->deepest - press->depth);
-    u = fmin(fmax((t - DEEPENS - STAYS) / LEAVES, 0.0), 1.0);
-    return -down + u * (down + above);
-}
+/* s: of the parts of a press; a hold lasts until it is at rest. */
+static const double COMES = 0.2, DEEPENS = 0.2, LEAVES = 0.2, GONE = 0.3;
+/* A hold is at rest when the force of a window is, but for so much, that of the window before: soft
+ * tissue in a damped network takes seconds. */
+static const double WINDOW = 0.2, LONGEST_HOLD = 12.0, MOVES = 0.0005;
 
 double trial_hertz(double youngs_modulus, double poisson_ratio, double radius, double depth)
 {
     return 4.0 / 3.0 * youngs_modulus / (1.0 - poisson_ratio * poisson_ratio) * sqrt(radius) *
            pow(fmax(depth, 0.0), 1.5);
-}
-
-typedef struct reading {
-    double end; /* s */
-    trial_hold sum;
-    int32_t count;
-} reading;
-
-static void take_reading(reading *r, double t, const trial_hold *now)
-{
-    if (t >= r->end - READ && t < r->end) {
-        r->sum.depth += now->depth;
-        r->sum.indentation += now->indentation;
-        r->sum.force += now->force;
-        r->sum.reaction += now->reaction;
-        r->sum.aside += now->aside;
-        ++r->count;
-    }
-}
-
-static trial_hold mean_of(const reading *r)
-{
-    const double n = r->count > 0 ? r->count : 1.0;
-    return (trial_hold){r->sum.depth / n, r->sum.indentation / n, r->sum.force / n,
-                        r->sum.reaction / n, r->sum.aside / n};
 }
 
 /* Where the server itself says no worse: what it says is the model's. */
@@ -91,6 +53,11 @@ static void judge(const trial_press *press, trial_result *out)
         lower_verdict(out, SOFTSIM_VERDICT_DEGRADED, true,
                       "the tool hardly touched: what is felt lies deeper than the mesh, or it "
                       "slipped off; shorter edges, or another side with --from");
+    } else if (fabs(out->held.force) < NOTHING * press->expected) {
+        lower_verdict(
+            out, SOFTSIM_VERDICT_GUARDED, true,
+            "what is pressed gives way as a whole, or lies in the tool's way loosely: hold "
+            "it with --fixed");
     } else if (fmin(out->held.reaction, out->deepest.reaction) < DRAWN_IN) {
         lower_verdict(out, SOFTSIM_VERDICT_GUARDED, true,
                       "the force at rest draws the tool in: it slips over an edge or through a "
@@ -103,54 +70,101 @@ static void judge(const trial_press *press, trial_result *out)
     }
 }
 
+/* ---- the press ---- */
+
+typedef struct trial {
+    softsim_world *world;
+    const trial_press *press;
+    trial_result *out;
+    double period, touched; /* s; m along the press, where the proxy first touched */
+    int32_t tick;
+} trial;
+
+/* One tick, with the tool `height` above the touch (below 0 in the tissue); zeroes before touch. */
+static trial_hold tick(trial *t, double height)
+{
+    const int32_t probe = 0;
+    const double *towards = t->press->towards;
+    softsim_force force[SOFTSIM_MAX_PROBES];
+    softsim_pose pose = {.utime_us = (int64_t)(1e6 * t->tick * t->period),
+                         .sender = 1,
+                         .seq = t->tick + 1,
+                         .force_seq = -1,
+                         .flags = SOFTSIM_POSE_CORRECTS, /* as the bridge; without delay */
+                         .orientation = {1.0, 0.0, 0.0, 0.0},
+                         .velocity = {NAN, NAN, NAN},
+                         .applied_force = {NAN, NAN, NAN}};
+    ss_madd3(pose.position, t->press->origin, height, towards);
+    softsim_tick(t->world, &pose, &probe, 1, force);
+    ++t->tick;
+    const double proxy = ss_dot3(force[0].proxy, towards);
+    if (!t->out->has_touched && (force[0].flags & SOFTSIM_FORCE_CONTACT) != 0) {
+        t->out->has_touched = true;
+        t->touched = proxy;
+        t->out->late = ss_dot3(t->press->origin, towards) - proxy;
+    }
+    if (!t->out->has_touched) {
+        return (trial_hold){0};
+    }
+    const double reaction = ss_dot3(force[0].model_force, towards);
+    double across[3];
+    ss_madd3(across, force[0].model_force, -reaction, towards);
+    return (trial_hold){t->touched - proxy, t->touched - ss_dot3(pose.position, towards),
+                        ss_dot3(force[0].force, towards), reaction, ss_norm3(across)};
+}
+
+/* From one height to another; the last tick. */
+static trial_hold move(trial *t, double from, double to, double seconds)
+{
+    const int32_t ticks = (int32_t)ceil(seconds / t->period);
+    trial_hold now = {0};
+    for (int32_t k = 0; k < ticks; ++k) {
+        now = tick(t, from + (to - from) * k / ticks);
+    }
+    return now;
+}
+
+/* The means of the window in which it came to rest. */
+static trial_hold hold(trial *t, double height)
+{
+    const int32_t ticks = (int32_t)ceil(WINDOW / t->period);
+    const int32_t windows = (int32_t)ceil(LONGEST_HOLD / WINDOW);
+    trial_hold mean = {0};
+    for (int32_t w = 0; w < windows; ++w) {
+        const double before = mean.force;
+        mean = (trial_hold){0};
+        for (int32_t k = 0; k < ticks; ++k) {
+            const trial_hold now = tick(t, height);
+            mean.depth += now.depth / ticks;
+            mean.indentation += now.indentation / ticks;
+            mean.force += now.force / ticks;
+            mean.reaction += now.reaction / ticks;
+            mean.aside += now.aside / ticks;
+        }
+        if (w > 0 && fabs(mean.force - before) <= MOVES * fabs(mean.force)) {
+            break;
+        }
+    }
+    return mean;
+}
+
 void trial_run(softsim_world *world, const trial_press *press, trial_result *out)
 {
     softsim_state state;
-    softsim_force force[SOFTSIM_MAX_PROBES];
     softsim_read(world, &state);
-    const double held = COMES + SETTLES;
-    const double end =
-        press->deepest > press->depth ? held + DEEPENS + STAYS + LEAVES + SETTLES : held;
-    const int32_t ticks = (int32_t)ceil(end / state.period_s), probe = 0;
-    double touched = 0.0;
-    reading first = {.end = held}, second = {.end = held + DEEPENS + STAYS};
     *out = (trial_result){0};
-    for (int32_t k = 0; k < ticks; ++k) {
-        const double t = k * state.period_s;
-        softsim_pose pose = {.utime_us = (int64_t)(1e6 * t),
-                             .sender = 1,
-                             .seq = k + 1,
-                             .force_seq = -1,
-                             .flags = SOFTSIM_POSE_CORRECTS, /* as the bridge; without delay */
-                             .orientation = {1.0, 0.0, 0.0, 0.0},
-                             .velocity = {NAN, NAN, NAN},
-                             .applied_force = {NAN, NAN, NAN}};
-        ss_madd3(pose.position, press->origin, height_at(press, t), press->towards);
-        softsim_tick(world, &pose, &probe, 1, force);
-        const double proxy = ss_dot3(force[0].proxy, press->towards);
-        if (!out->has_touched && (force[0].flags & SOFTSIM_FORCE_CONTACT) != 0) {
-            out->has_touched = true;
-            touched = proxy;
-            out->late = ss_dot3(press->origin, press->towards) - proxy;
-        }
-        if (out->has_touched) {
-            const double *f = force[0].model_force;
-            const double felt = ss_dot3(force[0].force, press->towards);
-            const double reaction = ss_dot3(f, press->towards);
-            double across[3];
-            ss_madd3(across, f, -reaction, press->towards);
-            const trial_hold now = {touched - proxy,
-                                    touched - ss_dot3(pose.position, press->towards), felt,
-                                    reaction, ss_norm3(across)};
-            out->moving_force = t < COMES ? felt : out->moving_force;
-            take_reading(&first, t, &now);
-            take_reading(&second, t, &now);
-        }
+    trial t = {.world = world, .press = press, .out = out, .period = state.period_s};
+    const double above = press->depth; /* where it begins and ends */
+    out->speed = (above + press->depth) / COMES;
+    out->moving_force = move(&t, above, -press->depth, COMES).force;
+    out->held = hold(&t, -press->depth);
+    if (press->deepest > press->depth) {
+        (void)move(&t, -press->depth, -press->deepest, DEEPENS);
+        out->deepest = hold(&t, -press->deepest);
+        (void)move(&t, -press->deepest, above, LEAVES);
+        (void)move(&t, above, above, GONE);
     }
     softsim_read(world, &state);
-    out->speed = (height_at(press, 0.0) + press->depth) / COMES;
-    out->held = mean_of(&first);
-    out->deepest = mean_of(&second);
     out->verdict = state.worst_verdict;
     (void)snprintf(out->reason, sizeof out->reason, "%s", state.worst_reason);
     judge(press, out);

@@ -3,12 +3,12 @@
 #pragma once
 /*
  * A press on a scene in a world of this process, poses in and forces out as a hand feels them: the
- * tool comes down at the place of a touch, is held at a depth, goes on as deep as the bridge's
- * simulated hand does, and leaves. What it tells is what a scene is judged by before it is called
- * good. A hold's depth is the way of the proxy since it first touched, which the surface went and
- * Hertz's force is for; its indentation the way of the tool since then, a little more, which the
- * bridge tells (clients/common/indentation.h); its force what the hand feels, as a client that
- * corrects for delays does.
+ * tool comes down at the place of a touch, is held at a depth until it rests, goes on as deep as
+ * the bridge's simulated hand does, and leaves. What it tells is what a scene is judged by before
+ * it is called good. A hold's depth is the way of the proxy since it first touched, which the
+ * surface went and Hertz's force is for; its indentation the way of the tool since then, a little
+ * more, which the bridge tells (clients/common/indentation.h); its force what the hand feels, as a
+ * client that corrects for delays does.
  */
 #include "contact/touch.h"
 #include "world/world.h"
@@ -19,6 +19,7 @@ typedef struct trial_press {
     double depth;      /* m, at which the force is read */
     double deepest;    /* m, >= depth; the same: the press ends there */
     double limit;      /* N, of the force that a hand gets */
+    double expected;   /* N, at the depth, about */
 } trial_press;
 
 typedef struct trial_hold {
