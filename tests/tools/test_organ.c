@@ -383,6 +383,7 @@ TEST_WITH(a_cylinder_of_80_sides_is_felt, make_folder, remove_folder)
  * longer ones are refused, or warned of. */
 TEST_WITH(a_rod_keeps_its_volume, make_folder, remove_folder)
 {
+    SKIP_WHERE_REPEATED();
     assert_int_equal(
         run("awk 'BEGIN{n = 24; m = 240; for (k = 0; k <= m; ++k) for (i = 0; i < n; ++i) printf "
             "\"v %g %g %g\\n\", 5 * cos(6.2831853 * i / n), 5 * sin(6.2831853 * i / n), 300 * k / "
