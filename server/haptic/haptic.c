@@ -418,19 +418,24 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     if (config->between_steps != SS_BETWEEN_LOCAL && !local->grasp.is_held) {
         ss_local_contact_extrapolate(local, config, tick, out_force);
     }
+    double aimed[3];
+    ss_copy3(aimed, out_force);
+    const bool is_turning =
+        ss_slip_turn(&haptic->slip, haptic->last_undamped, config->period, out_force);
     ss_copy3(out_undamped, out_force);
     damp(haptic, v, out_force);
     const bool is_cut = ss_clamp_norm3(out_force, haptic->slip.limit);
     double pose_to_proxy[3];
     ss_sub3(pose_to_proxy, rest.p, x);
+    const double *pressing = is_turning ? aimed : out_force;
     const double pressed =
-        local->friction.is_used ? ss_dot3(out_force, haptic->slip.direction) : ss_norm3(out_force);
+        local->friction.is_used ? ss_dot3(pressing, haptic->slip.direction) : ss_norm3(out_force);
     haptic->slip.length =
         ss_dot3(pose_to_proxy, haptic->slip.direction) - pressed / haptic->yield.spring;
     ss_sub3(haptic->pdot, rest.p, haptic->p);
     ss_scale3(haptic->pdot, haptic->pdot, 1.0 / config->period);
     ss_copy3(haptic->p, rest.p);
-    return is_cut || rest.stiffness_fraction < 1.0;
+    return is_cut || is_turning || rest.stiffness_fraction < 1.0;
 }
 
 /* ---- output ---- */
@@ -521,6 +526,9 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
     if (memcmp(haptic->last_undamped, haptic->last_force, sizeof haptic->last_undamped) != 0) {
         hash = ss_hash_bytes(hash, haptic->last_undamped, sizeof haptic->last_undamped);
         hash = ss_hash_bytes(hash, &haptic->undamped_ramp_from, sizeof haptic->undamped_ramp_from);
+    }
+    if (haptic->slip.turning > 0.0) {
+        hash = ss_hash_bytes(hash, &haptic->slip.turning, sizeof haptic->slip.turning);
     }
     const double number[] = {haptic->slip.stiffness_fraction, haptic->slip.length,
                              haptic->admission.held_back, haptic->ramp_from,

@@ -335,6 +335,7 @@ typedef struct ss_slip {
     double length;       /* m, out of the tissue, beyond what the force stretches the coupling */
     double direction[3]; /* of the local contact model's force, unit or 0 */
     double aside[3];     /* m, from the hand to where the coupling is without force: it fades */
+    double turning;      /* s, left: a lowered limit turns the force slowly */
     bool is_kept;        /* not yet: a grasp is being let go */
     bool is_from_grasp;  /* left by a grasp: the whole of it, until the force is at the limit */
 } ss_slip;
@@ -345,6 +346,10 @@ void ss_slip_clear(ss_slip *slip);
  * up so that tissue of `stiffness` (N/m, as felt) can follow. True while it goes down. */
 bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, double size,
                     double stiffness);
+/* After a limit was lowered to below the force, `force` (N, about to be felt) keeps its size and
+ * turns from `last`, that of the tick before, by less than a degree. True where that held it back.
+ */
+bool ss_slip_turn(ss_slip *slip, const double last[3], double period, double force[3]);
 /* s: until a hand with velocity v comes out of the limit; INFINITY where it does not, or is not
  * there. */
 double ss_slip_time_left(const ss_slip *slip, const double v[3]);

@@ -58,6 +58,47 @@ TEST(the_proxy_stays_until_the_model_holds_no_more)
     }
 }
 
+/* What is felt after a lowered limit keeps its size and turns by less than a degree a tick, the
+ * short way, into the opposite too; it catches up without a jump, and is left alone from then on.
+ * A force that ended has no direction to keep. */
+TEST(a_lowered_limit_turns_the_force_at_its_size)
+{
+    static const double degree = 0.017453292519943295;
+    static const double aims[][3] = {{0, 0, -0.5}, {0.5, 0, 0}, {-0.3, 0.0, 0.4}, {0, -0.01, 0.5}};
+    ss_haptic_config config = default_config();
+    config.max_force = 0.5;
+    for (size_t k = 0; k < sizeof aims / sizeof *aims; ++k) {
+        ss_slip slip = {.limit = 3.0, .stiffness_fraction = 1.0};
+        double last[3] = {0.0, 0.0, 0.5}, apart = INFINITY;
+        assert_true(ss_slip_follow(&slip, &config, 2.0, 3.0, 0.0));
+        const double size = ss_norm3(aims[k]);
+        int held_back = 0;
+        for (int n = 0; n < 400; ++n) {
+            double force[3], turn[3];
+            ss_copy3(force, aims[k]);
+            held_back += ss_slip_turn(&slip, last, T, force);
+            assert_near(ss_norm3(force), size, 1e-12);
+            ss_cross3(turn, last, force);
+            assert_true(atan2(ss_norm3(turn), ss_dot3(last, force)) <= degree);
+            ss_sub3(turn, aims[k], force);
+            assert_true(ss_norm3(turn) <= apart);
+            apart = ss_norm3(turn);
+            ss_copy3(last, force);
+        }
+        const double way = acos(fmax(-1.0, aims[k][2] / size)) / degree;
+        assert_true(held_back >= floor(way) && held_back <= way / 0.8);
+        assert_near(apart, 0.0, 1e-12);
+        double other[3] = {0.1, 0.2, 0.3};
+        assert_false(ss_slip_turn(&slip, last, T, other));
+        assert_near(other[0], 0.1, 0.0);
+        slip.limit = 3.0;
+        assert_true(ss_slip_follow(&slip, &config, 2.0, 3.0, 0.0));
+        double none[3] = {0.0, 0.0, 0.0};
+        assert_false(ss_slip_turn(&slip, last, T, none));
+        assert_false(ss_slip_turn(&slip, last, T, other));
+    }
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);

@@ -156,6 +156,51 @@ TEST(a_changed_limit_flings_nothing)
     softsim_destroy(&world);
 }
 
+/* Pressed 12 mm, held, and the limit lowered from 3 to .5 N at once: the proxy goes out by
+ * millimetres in two ticks, and the tissue swings under it, but the force turns by no more than a
+ * degree a tick, then and later. Returns how far it turns. */
+static double lower_limit(const body *b)
+{
+    enum { LOWER = 900, SLEW = 2, END = 1500 };
+    static const double low = 0.5;
+    softsim_world *world = make_bundled_world(b, 3.0);
+    double before[3] = {0.0, 0.0, 1.0}, turn = 0.0, least = 1.0, most = 0.0;
+    for (int n = 0; n < END; ++n) {
+        double x[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b->touch[a] + (0.016 * smooth(n / 500.0) - 0.004) * b->in[a];
+        }
+        if (n == LOWER) {
+            assert_true(limit_norm(before) >= 0.999 * 3.0);
+            set_limit(ss_world_of(world), low);
+        }
+        const softsim_pose pose = pose_of(n + 1, x);
+        const softsim_force force = feel(world, &pose);
+        turn = n >= LOWER ? fmax(turn, limit_angle(before, force.force)) : 0.0;
+        if (n >= LOWER + SLEW) {
+            least = fmin(least, limit_norm(force.force) / low);
+            most = fmax(most, limit_norm(force.force) / low);
+        }
+        memcpy(before, force.force, sizeof before);
+    }
+    softsim_destroy(&world);
+    print_message("%s, 3 to %g N: turns by %.3f degrees a tick at most, |F|/L %.6f..%.6f\n",
+                  b->name, low, turn, least, most);
+    assert_true(least >= 0.99 && most <= 1.0001);
+    return turn;
+}
+
+TEST(a_lowered_limit_turns_the_force_slowly)
+{
+    SKIP_WHERE_REPEATED();
+    body b = bodies[0];
+    const double ball = lower_limit(&b);
+    b.name = "kidney, cylinder";
+    b.set = "contact.tools=[{probe: 0, shape: {cylinder: {radius_mm: 5, length_mm: 15}}}]";
+    const double cylinder = lower_limit(&b);
+    assert_true(ball <= 1.0 && cylinder <= 1.0);
+}
+
 /* Pressed 16 mm, held, the limit lowered to .5 N and raised again: the force comes back to what it
  * was, the proxy to where it was. */
 TEST(a_limit_that_came_and_went_leaves_nothing)
