@@ -20,9 +20,10 @@
  * by up to 35 degrees a tick, there and back (a kidney, 3 to .5 N). What is felt keeps the size and
  * turns in the plane of both from its own last direction u towards f by at most a = .9 degrees,
  *   F = |f| (u cos a + t sin a),   t = f - (f.u) u, normalised,
- * until f has been within reach for TURNING_TIME, so that the end is no jump either. The proxy,
- * what the tissue is pressed with, and the torque stay those of the balance. A force that ends, or
- * begins, has no direction to keep.
+ * for TURNING_TIME in all: 0.2 s to the very opposite, and 0.1 s in which the tissue comes to rest,
+ * so that the end is no jump either; a force held behind a hand that shakes for longer could give
+ * it energy. The proxy, what the tissue is pressed with, and the torque stay those of the balance.
+ * A force that ends, or begins, has no direction to keep.
  *
  * Rejected: the limit of the balance eased down in 10 to 100 ms instead: still 6 degrees a tick
  * with a sphere, 14 with a cylinder.
@@ -43,9 +44,9 @@
 #define RISE_SPEED_MIN   0.005 /* m/s */
 #define NEGLIGIBLE       1e-9  /* m */
 #define NEGLIGIBLE_FORCE 1e-9  /* N */
-/* How a lowered limit turns the force: at most by that a tick, until that long within reach. */
+/* How a lowered limit turns the force: at most by that a tick, for that long. */
 #define TURN_MAX     (0.9 * 0.017453292519943295) /* rad */
-#define TURNING_TIME 0.1                          /* s */
+#define TURNING_TIME 0.3                          /* s */
 
 void ss_slip_clear(ss_slip *slip)
 {
@@ -96,9 +97,9 @@ bool ss_slip_turn(ss_slip *slip, const double last[3], double period, double for
         return false;
     }
     double u[3], aside[3];
+    slip->turning -= period;
     ss_scale3(u, last, 1.0 / last_size);
     if (ss_dot3(u, force) >= size * cos(TURN_MAX)) {
-        slip->turning = fmax(0.0, slip->turning - period);
         return false;
     }
     across(u, force, aside);
