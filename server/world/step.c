@@ -212,13 +212,15 @@ static void correct_for_travel(ss_world *world, ss_world_probe *probe, double tr
 }
 
 /* Tissue that holds a tool off stays deformed for a while, and the tool pressed in against its
- * normal. */
+ * normal. What presses on a tool that went through says nothing of where it came from. */
 static void note_touch(ss_world *world, ss_world_probe *probe)
 {
     const ss_contact_set *set = &probe->computed.set;
     probe->is_pressed_in = set->count > 0 && ss_norm3(set->force) > 0.0;
     if (probe->is_pressed_in) {
         world->deformed_until = world->steps + (int64_t)ceil(DEFORMED_TIME / world->step_period);
+    }
+    if (probe->is_pressed_in && !ss_contact_is_inside(set)) {
         ss_scale3(probe->inward, set->normal, -1.0);
         probe->inward_restart_count = probe->step_target.restart_count;
     }

@@ -190,6 +190,72 @@ TEST(a_device_that_fell_silent_goes_out_the_way_it_came)
     }
 }
 
+/* ---- pressed through ---- */
+
+typedef enum restart { BY_RESET, BY_RESUME, RESTARTS } restart;
+
+/* A cone, tip first, is pressed through the surface of soft tissue at 0.1 m/s and stays there for
+ * 0.3 s; then the world starts again. Returns the most force into the tissue, N, at a tick that is
+ * told to be good, and how many of them press so by more than 0.02 N. */
+static double stay_through(double depth, restart by, int *out_count)
+{
+    enum { UP = 40, STAY = 300, PAUSE = 100, AFTER = 800 };
+    static const body cone = {
+        "cone",
+        "kidney-tissue.yaml",
+        NULL,
+        "contact.tools=[{probe: 0, shape: {cone: {radius_mm: 5, length_mm: 15}}}]",
+        {0, 0.006, 0.0281},
+        {0, 0, -1},
+        {1, 0, 0},
+        0.0};
+    const int restarted = UP + (int)(1e4 * depth) + STAY;
+    softsim_world *world = make_world(&cone, 2.0);
+    double most = 0.0;
+    *out_count = 0;
+    for (int n = 0; n < restarted + PAUSE + AFTER; ++n) {
+        double x[3];
+        at(&cone, fmin(depth, 1e-4 * (n - UP)), 0.0, x);
+        softsim_pose pose = pose_of(n + 1, x);
+        pose.orientation[0] = 0.0;
+        pose.orientation[1] = 1.0;
+        if (n == restarted && by == BY_RESUME) {
+            command(ss_world_of(world), "pause");
+        } else if (n == restarted + PAUSE) {
+            command(ss_world_of(world), by == BY_RESUME ? "resume" : "reset");
+        }
+        const softsim_force force = feel(world, &pose);
+        softsim_state now;
+        softsim_read(world, &now);
+        const double inward = ss_dot3(force.force, cone.in);
+        if (n > restarted + PAUSE && now.verdict == SOFTSIM_VERDICT_GOOD) {
+            most = fmax(most, inward);
+            *out_count += inward > 0.02;
+        }
+    }
+    softsim_destroy(&world);
+    return most;
+}
+
+/* What presses on it in there says nothing of where it came from. */
+TEST(a_tool_that_went_through_is_not_drawn_in_after_a_restart)
+{
+    SKIP_WHERE_REPEATED();
+    static const double depths[] = {0.017, 0.015, 0.020};
+    bool is_good = true;
+    for (int k = 0; k < FULL_IN_LONG_RUN(3, 1); ++k) {
+        for (int by = 0; by < FULL_IN_RELEASE(RESTARTS, 1); ++by) {
+            int count = 0;
+            const double most = stay_through(depths[k], (restart)by, &count);
+            print_message("%.0f mm deep, %s: %.3f N inward at most, %d ticks%s\n", 1e3 * depths[k],
+                          by == BY_RESET ? "reset" : "resumed", most, count,
+                          count > 0 ? ": BAD" : "");
+            is_good = is_good && count == 0;
+        }
+    }
+    assert_true(is_good);
+}
+
 /* ---- a touch just after ---- */
 
 /* Down from `above` at `speed`, `wait` ticks after the first pose; forces from then on. */
