@@ -335,7 +335,7 @@ typedef struct ss_slip {
     double length;       /* m, out of the tissue, beyond what the force stretches the coupling */
     double direction[3]; /* of the local contact model's force, unit or 0 */
     double aside[3];     /* m, from the hand to where the coupling is without force: it fades */
-    double turning;      /* s, left: a lowered limit turns the force slowly */
+    double turning;      /* s, left of the time in which a lowered limit turns it slowly */
     bool is_kept;        /* not yet: a grasp is being let go */
     bool is_from_grasp;  /* left by a grasp: the whole of it, until the force is at the limit */
 } ss_slip;

@@ -20,10 +20,10 @@
  * by up to 35 degrees a tick, there and back (a kidney, 3 to .5 N). What is felt keeps the size and
  * turns in the plane of both from its own last direction u towards f by at most a = .9 degrees,
  *   F = |f| (u cos a + t sin a),   t = f - (f.u) u, normalised,
- * for TURNING_TIME in all: 0.2 s to the very opposite, and 0.1 s in which the tissue comes to rest,
- * so that the end is no jump either; a force held behind a hand that shakes for longer could give
- * it energy. The proxy, what the tissue is pressed with, and the torque stay those of the balance.
- * A force that ends, or begins, has no direction to keep.
+ * for TURNING_TIME from each lowering on: 0.2 s to the very opposite, and 0.1 s in which the tissue
+ * comes to rest, so that the end is no jump either; a force held behind a hand that shakes for
+ * longer could give it energy. The proxy, what the tissue is pressed with, and the torque stay
+ * those of the balance. A force that ends, or begins, has no direction to keep.
  *
  * Rejected: the limit of the balance eased down in 10 to 100 ms instead: still 6 degrees a tick
  * with a sphere, 14 with a cylinder.
