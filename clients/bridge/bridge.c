@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "parameter.h"
 #include "process.h"
 #include "rt/memory.h"
 #include "rt/plain.h"
@@ -44,7 +45,7 @@ softsim_status ss_bridge_init(ss_bridge *bridge, const ss_bridge_config *config,
                               const ss_frame *frame, const ss_device *device, softsim_error *error)
 {
     *bridge = (ss_bridge){.config = *config, .frame = *frame, .device = *device};
-    ss_corrector_init(&bridge->corrector, config->is_correcting);
+    ss_corrector_init(&bridge->corrector, config->is_correcting, ss_corrector_unlimited);
     ss_bus_config out = config->bus;
     ss_bus_config in = config->bus;
     out.seed = config->bus.seed ^ 0x706F7365u; /* streams of their own */
@@ -216,6 +217,14 @@ void ss_bridge_take_force(void *context, const softsim_force *force, int64_t rec
     }
 }
 
+void ss_bridge_take_scene(void *context, const softsim_scene_report *scene)
+{
+    ss_corrector_limits *limits = &((ss_bridge *)context)->corrector.limits;
+    const double slew = ss_parameter_of(scene, "haptic.max_slew_n_per_s");
+    limits->force_n = ss_parameter_of(scene, "haptic.max_force_n");
+    limits->slew_n_per_s = slew > 0.0 ? slew : INFINITY;
+}
+
 /* Another sender holds the probe: its zero force stops what was felt, but is no force of ours. */
 static void note_other(ss_bridge *bridge, int64_t arrival_ns)
 {
@@ -353,6 +362,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     int64_t tick_ns = softsim_client_now_ns();
     bridge->start_ns = tick_ns;
     bridge->is_served = true;
+    bridge->corrector.limits.force_n = 0.0; /* until the server tells it */
     for (;;) {
         if (!wait_for_tick(bridge, client, tick_ns)) {
             bridge->summary.is_complete = false;

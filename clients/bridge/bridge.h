@@ -93,8 +93,9 @@ softsim_status ss_bridge_init(ss_bridge *bridge, const ss_bridge_config *config,
                               const ss_frame *frame, const ss_device *device, softsim_error *error);
 void ss_bridge_fini(ss_bridge *bridge);
 
-/* Callback of the client; `context` is the ss_bridge. */
+/* Callbacks of the client; `context` is the ss_bridge. */
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns);
+void ss_bridge_take_scene(void *context, const softsim_scene_report *scene);
 /* Runs in real time until the ticks are done, the device ends or a signal comes; false when LCM
  * failed. */
 bool ss_bridge_run(ss_bridge *bridge, softsim_client *client);

@@ -6,10 +6,13 @@
 
 #include "rt/vec.h"
 
+const ss_corrector_limits ss_corrector_unlimited = {INFINITY, INFINITY};
+
 static const double max_displacement_m = 15e-3;
 static const double max_stiffness_n_per_m = 20000.0; /* no server couples harder */
 static const int64_t max_age_ns = 50000000;
 static const int64_t fade_ns = 20000000;
+static const double take_up_s = 0.05;
 static const double touch_n = 0.02;
 static const double free_debt_j = 0.1e-3, full_debt_j = 0.3e-3, forget_s = 0.2;
 static const double most_damping_n_s_per_m = 60.0;
@@ -17,9 +20,9 @@ static const double most_damping_n_s_per_m = 60.0;
  * hand out a millijoule. */
 static const double velocity_cutoff_hz = 100.0;
 
-void ss_corrector_init(ss_corrector *corrector, bool is_enabled)
+void ss_corrector_init(ss_corrector *corrector, bool is_enabled, ss_corrector_limits limits)
 {
-    *corrector = (ss_corrector){.is_enabled = is_enabled};
+    *corrector = (ss_corrector){.is_enabled = is_enabled, .limits = limits, .present = 1.0};
 }
 
 void ss_corrector_note_pose(ss_corrector *corrector, int32_t seq, int64_t time_ns,
@@ -98,13 +101,13 @@ static void note_motion(ss_corrector *corrector, double elapsed_s, const double 
 static void note_entry(ss_corrector *corrector, double size)
 {
     const softsim_force *force = &corrector->force;
-    if ((force->flags & SOFTSIM_FORCE_RAMPING) != 0) {
+    const bool is_let_in = (force->flags & SOFTSIM_FORCE_RAMPING) != 0;
+    if (is_let_in) {
         corrector->energy_j = 0.0;
-        corrector->is_let_in = true;
     } else if (corrector->is_let_in && force->stiffness > 0.0) {
         corrector->energy_j = 0.5 * size * size / force->stiffness;
-        corrector->is_let_in = false;
     }
+    corrector->is_let_in = is_let_in;
 }
 
 /* Takes off a force that moves with the hand what its contact has not taken from the hand; for the
@@ -135,14 +138,22 @@ void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double po
     if (!corrector->has_force) {
         return;
     }
+    const double elapsed_s =
+        corrector->has_exerted ? 1e-9 * (double)(now_ns - corrector->exerted_ns) : 0.0;
     double moved[3];
     ss_copy3(out_force, corrector->force.force);
     if (displacement(corrector, now_ns, position, moved)) {
         correct(&corrector->force, moved, out_force);
+        (void)ss_clamp_norm3(out_force,
+                             fmax(ss_norm3(corrector->force.force), corrector->limits.force_n));
     }
-    ss_scale3(out_force, out_force, fade(corrector, now_ns));
-    const double elapsed_s = 1e-9 * (double)(now_ns - corrector->exerted_ns);
-    if (corrector->is_enabled && corrector->has_exerted && elapsed_s > 0.0) {
+    corrector->present = fmin(fade(corrector, now_ns), corrector->present + elapsed_s / take_up_s);
+    ss_scale3(out_force, out_force, corrector->present);
+    if (elapsed_s > 0.0) {
+        (void)ss_clamp_change3(out_force, corrector->exerted,
+                               corrector->limits.slew_n_per_s * elapsed_s);
+    }
+    if (corrector->is_enabled && elapsed_s > 0.0) {
         note_motion(corrector, elapsed_s, position);
         damp(corrector, elapsed_s, out_force);
     }

@@ -30,10 +30,16 @@
  * so that tissue which moves of itself, or at another tool, still pushes a hand, slowly. While the
  * server lets a tool in (its force is flagged so), it counts what it presses in for the hand and
  * damps by itself, and here nothing is counted; what the contact has stored when that ends,
- * F^2 / 2 S, is the hand's. (Counted as a debt, each count of the device on the way out took the
- * whole force for a tick: after a gap of 50 ms it buzzed between nothing and all.)
+ * F^2 / 2 S where S is told, is the hand's. (Counted as a debt, each count of the device on the way
+ * out took the whole force for a tick: after a gap of 50 ms it buzzed between nothing and all.)
  *
- * When no force has come for 50 ms (the server is gone) the last one fades to zero in 20 ms.
+ * No correction takes the force beyond the limits that the server holds: its size is at most L, or
+ * that of the answer where this is more (a limit is being lowered), and it moves by at most the
+ * slew a period before what is damped is taken off. While L is not known it is at most the
+ * answer's. (Without it, 4.9 N of a limit of 1 in taps behind a bus of 10 ms.)
+ *
+ * When no force has come for 50 ms (the server is gone) the last one fades to zero in 20 ms, and
+ * where they come again comes back in 50 ms.
  * World frame, SI. Thread: the bridge's loop; no allocation after creation.
  */
 #include <stdbool.h>
@@ -44,14 +50,25 @@
 /* Poses remembered: a force is corrected only when it answers one of them. */
 enum { SS_CORRECT_HISTORY = 1024 };
 
+/* What the server holds its forces within. */
+typedef struct ss_corrector_limits {
+    double force_n; /* 0: not known */
+    double slew_n_per_s;
+} ss_corrector_limits;
+
+/* For forces of no server. */
+extern const ss_corrector_limits ss_corrector_unlimited;
+
 typedef struct ss_corrector {
     bool is_enabled;
+    ss_corrector_limits limits;
     bool has_force;
     softsim_force force; /* in effect */
     int64_t received_ns;
     /* state: the contact's energy */
     bool has_exerted, is_touching;
-    bool is_let_in; /* the force is ramping, or was until now */
+    bool is_let_in; /* the force is ramping */
+    double present; /* share: 1 while forces come */
     int64_t exerted_ns;
     double exerted[3], exerted_at[3];
     double velocity[3]; /* m/s */
@@ -63,7 +80,7 @@ typedef struct ss_corrector {
     } history[SS_CORRECT_HISTORY];
 } ss_corrector;
 
-void ss_corrector_init(ss_corrector *corrector, bool is_enabled);
+void ss_corrector_init(ss_corrector *corrector, bool is_enabled, ss_corrector_limits limits);
 /* Remembers a pose that is about to be sent. `seq` from 1. */
 void ss_corrector_note_pose(ss_corrector *corrector, int32_t seq, int64_t time_ns,
                             const double position[3]);

@@ -266,7 +266,8 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
     const softsim_client_config config = {.lcm_url = o->lcm_url,
                                           .prefix = o->prefix,
                                           .context = bridge,
-                                          .handle_force = ss_bridge_take_force};
+                                          .handle_force = ss_bridge_take_force,
+                                          .handle_scene = ss_bridge_take_scene};
     if (!ss_process_raise_priority()) {
         fprintf(stderr, "%s: SCHED_FIFO is not allowed here; periods may come late\n", program);
     }

@@ -11,6 +11,7 @@
 
 #include "indentation.h"
 #include "page_json.h"
+#include "parameter.h"
 #include "process.h"
 #include "recorder.h"
 #include "rt/memory.h"
@@ -230,19 +231,6 @@ static void take_status(void *context, const softsim_server_status *status, int6
     pthread_mutex_unlock(&hub->lock);
 }
 
-/* How far a pose may be from the one before, as the server has it now; 0 when it does not say. */
-static double max_jump_of(const softsim_scene_report *scene)
-{
-    static const char key[] = "haptic.max_jump_m=";
-    for (int32_t i = 0; i < scene->parameter_count; ++i) {
-        if (strncmp(scene->parameter[i], key, sizeof key - 1) == 0) {
-            const double jump_m = strtod(scene->parameter[i] + sizeof key - 1, NULL);
-            return isfinite(jump_m) && jump_m > 0.0 ? jump_m : 0.0;
-        }
-    }
-    return 0.0;
-}
-
 static void take_scene(void *context, const softsim_scene_report *scene)
 {
     ss_hub *hub = context;
@@ -256,7 +244,7 @@ static void take_scene(void *context, const softsim_scene_report *scene)
     if (hub->mouse_browser != 0 && (tools >> hub->mouse_probe & 1) == 0) {
         let_go(hub);
     }
-    hub->mouse.max_jump_m = max_jump_of(scene);
+    hub->mouse.max_jump_m = ss_parameter_of(scene, "haptic.max_jump_m");
     if (hub->scene == NULL || json == NULL || strcmp(hub->scene, json) != 0) {
         renew(&hub->scene, json, &hub->scene_version);
         mark_changed(hub);

@@ -120,7 +120,7 @@ TEST(correction_follows_the_normal)
     static ss_corrector c;
     const double at[3] = {0.01, 0.02, -0.002};
     double force[3];
-    ss_corrector_init(&c, true);
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
     ss_corrector_force(&c, 0, at, force);
     assert_true(force[0] == 0.0 && force[2] == 0.0 && ss_corrector_force_seq(&c, 0) == -1);
     ss_corrector_note_pose(&c, 1, 1000000, at);
@@ -170,13 +170,74 @@ TEST(correction_is_bounded)
         force.stiffness = cases[i].stiffness;
         force.normal[2] = cases[i].normal_z;
         force.force[2] = cases[i].force_z;
-        ss_corrector_init(&c, cases[i].is_enabled);
+        ss_corrector_init(&c, cases[i].is_enabled, ss_corrector_unlimited);
         ss_corrector_note_pose(&c, 5, 0, at);
         ss_corrector_take_force(&c, &force, cases[i].now_ns);
         ss_corrector_force(&c, cases[i].now_ns, now_at, out);
         if (!(fabs(out[2] - cases[i].expected) < 1e-9) || out[0] != 0.25) {
             fail_msg("%s: %.12g, not %g", cases[i].what, out[2], cases[i].expected);
         }
+    }
+}
+
+/* 1 N, answered 3 mm ago; 500 N/m would make it 2.5 N. The limit holds, and that of an answer which
+ * is above it; one that is not known yet leaves the answer's size. */
+TEST(correction_stays_within_the_limit)
+{
+    static ss_corrector c;
+    static const struct {
+        double limit, given, expected;
+    } cases[] = {{5.0, 1.0, 2.5}, {2.0, 1.0, 2.0}, {0.8, 1.0, 1.0}, {0.0, 1.0, 1.0}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const double at[3] = {0.0, 0.0, 0.0}, deeper[3] = {0.0, 0.0, -3e-3};
+        const ss_corrector_limits limits = {cases[i].limit, INFINITY};
+        softsim_force force = make_force(1);
+        double out[3];
+        ss_set3(force.force, 0.0, 0.0, cases[i].given);
+        ss_corrector_init(&c, true, limits);
+        ss_corrector_note_pose(&c, 1, 0, at);
+        ss_corrector_take_force(&c, &force, 1000000);
+        ss_corrector_force(&c, 1000000, deeper, out);
+        assert_near(ss_norm3(out), cases[i].expected, 1e-12);
+    }
+}
+
+/* From 4 N to none and back, answers of one ms to the next: 2 N a ms, either way. */
+TEST(the_force_moves_by_the_slew)
+{
+    static ss_corrector c;
+    const ss_corrector_limits limits = {10.0, 2000.0};
+    const double at[3] = {0.0, 0.0, 0.0}, expected[] = {4.0, 2.0, 0.0, 0.0, 2.0, 4.0, 4.0};
+    ss_corrector_init(&c, true, limits);
+    for (int32_t ms = 0; ms < 7; ++ms) {
+        softsim_force force = make_force(1);
+        double out[3];
+        ss_set3(force.force, 0.0, 0.0, ms == 0 || ms > 3 ? 4.0 : 0.0);
+        ss_corrector_take_force(&c, &force, ms * 1000000LL);
+        ss_corrector_force(&c, ms * 1000000LL, at, out);
+        assert_near(out[2], expected[ms], 1e-12);
+    }
+}
+
+/* Silent for 100 ms, and there again. */
+TEST(force_comes_back_slowly_after_a_silence)
+{
+    static ss_corrector c;
+    const double at[3] = {0.0, 0.0, 0.0};
+    softsim_force force = make_force(1);
+    double last = 1.0;
+    ss_set3(force.force, 0.0, 0.0, 1.0);
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
+    for (int32_t ms = 0; ms < 400; ++ms) {
+        double out[3];
+        if (ms < 100 || ms >= 200) {
+            ss_corrector_take_force(&c, &force, ms * 1000000LL);
+        }
+        ss_corrector_force(&c, ms * 1000000LL, at, out);
+        assert_true(out[2] - last <= 1.0 / 50.0 + 1e-12);
+        assert_true(ms < 180 || ms >= 200 || out[2] == 0.0);
+        assert_true(ms < 250 || out[2] == 1.0);
+        last = out[2];
     }
 }
 
@@ -187,7 +248,7 @@ TEST(correction_of_a_grasp_is_signed_and_goes_all_ways)
     const double at[3] = {0.0, 0.0, 0.0}, moved[3] = {1e-3, -2e-3, 4e-3};
     double out[3];
     softsim_force force = make_force(5);
-    ss_corrector_init(&c, true);
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
     ss_corrector_note_pose(&c, 5, 0, at);
     force.flags |= SOFTSIM_FORCE_GRASPING;
     ss_corrector_take_force(&c, &force, 0);
@@ -208,7 +269,7 @@ TEST(force_fades_when_the_server_is_gone)
     const double at[3] = {0.0, 0.0, 0.0};
     double out[3];
     const softsim_force force = make_force(1);
-    ss_corrector_init(&c, true);
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
     ss_corrector_take_force(&c, &force, 1000000000);
     double last = 1.0;
     for (int ms = 0; ms <= 100; ++ms) {
@@ -229,7 +290,7 @@ static double energy_of_a_stroke(int in_mm, int out_mm, bool *out_is_whole)
     softsim_force given = make_force(1);
     given.stiffness = 0.0;
     ss_set3(given.force, 0.0, 0.0, 2.0);
-    ss_corrector_init(&c, true);
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
     *out_is_whole = true;
     const int in_ms = in_mm * 5, out_ms = out_mm * 5;
     for (int ms = 0; ms <= in_ms + out_ms; ++ms) {
@@ -242,6 +303,27 @@ static double energy_of_a_stroke(int in_mm, int out_mm, bool *out_is_whole)
         *out_is_whole = *out_is_whole && force[2] == 2.0;
     }
     return energy;
+}
+
+/* Let in to the force limit, where the server tells no stiffness, by a tool that goes in 2 mm and
+ * out 20: what is given is counted from the end of the entry on. */
+TEST(an_entry_that_ends_at_the_limit_gives_no_more_than_it_took)
+{
+    static ss_corrector c;
+    double force[3] = {0.0, 0.0, 0.0}, at[3] = {0.0, 0.0, 0.0}, energy = 0.0;
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
+    for (int ms = 0; ms <= 210; ++ms) {
+        softsim_force given = make_force(1);
+        given.stiffness = 0.0;
+        given.flags |= ms < 100 ? SOFTSIM_FORCE_RAMPING : SOFTSIM_FORCE_LIMITED;
+        ss_set3(given.force, 0.0, 0.0, fmin(2.0, ms / 50.0));
+        const double z = 0.2e-3 * (ms < 110 ? -fmax(0.0, ms - 100) : ms - 120);
+        energy -= force[2] * (z - at[2]);
+        at[2] = z;
+        ss_corrector_take_force(&c, &given, ms * 1000000LL);
+        ss_corrector_force(&c, ms * 1000000LL, at, force);
+    }
+    assert_true(energy > -1.5e-3);
 }
 
 /* What a contact has not taken it does not give: 40 mJ else. What it has, it does. */
@@ -268,7 +350,7 @@ TEST(a_force_that_is_let_in_does_not_buzz_on_the_way_out)
     static ss_corrector c;
     softsim_force f = {.normal = {0, 0, 1}, .pose_seq = 1};
     double last = 0.0, worst = 0.0;
-    ss_corrector_init(&c, true);
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
     for (int32_t k = 1; k <= 1000; ++k) {
         const int64_t now_ns = 1000000 * (int64_t)k;
         const double z = -6e-3 + 5e-3 * k / 1000.0, at[3] = {0.0, 0.0, 30e-6 * round(z / 30e-6)};

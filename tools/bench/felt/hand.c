@@ -266,7 +266,7 @@ static softsim_status open_loop(loop *l, int32_t ticks, softsim_error *error)
     if (!l->poses || !l->forces || !l->sent || !l->answer || !l->answered || !l->limit || !l->row) {
         return ss_memory_fault(error);
     }
-    ss_corrector_init(&l->corrector, run->is_correcting);
+    ss_corrector_init(&l->corrector, run->is_correcting, ss_corrector_unlimited);
     const softsim_status status = ss_sim_create(&sim, &l->device, error);
     if (status != SOFTSIM_OK) {
         return status;

@@ -159,7 +159,7 @@ softsim_status ss_felt_play(const char *scene, const ss_felt_place *place, ss_fe
         goto end;
     }
     b->answer = answer;
-    ss_corrector_init(&b->corrector, true);
+    ss_corrector_init(&b->corrector, true, ss_corrector_unlimited);
     world = ss_felt_world(scene, run, error);
     if (!world) {
         status = error->status;
