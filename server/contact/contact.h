@@ -344,6 +344,7 @@ typedef struct ss_proxy_target {
     uint32_t entries;       /* grows when it goes to where a tool that was found inside stands */
     uint32_t restart_count; /* resets and resumes before the proxy was placed: a model restarted
                              * since then ignores the tool */
+    uint32_t holders;       /* grows with each new device */
     bool has_stayed;        /* the device was silent, and came back to where it had been */
     double proxy[3];
     double orientation[4];

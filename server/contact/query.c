@@ -23,7 +23,9 @@
  * the coupling's spring follows it (haptic/yield.c), and with the tool pressed that sample in or
  * let it go again: a cycle of 0.3 % of the force for ever under a hand that stood still, and no
  * body slept. Under a sphere c~' is 2.5 % less than c', in series with the tissue less than that,
- * under a face that touches all at once nothing. The diagonal, of the step bound, has c'. Rejected:
+ * under a face that touches all at once nothing. corotational's Newton steps have it as K_contact,
+ * ten times too soft just beyond 0.3 r: more of its iterations, the same balance. The diagonal, of
+ * the step bound, has c'. Rejected:
  * a spring that does not follow the last per cent (what is held then depends on how it was come
  * by), and c itself without a corner (first touches softer).
  *

@@ -11,10 +11,11 @@
  * a = p + K_t^-1 f, which moves only where f is cut to Coulomb's limit: it slides. The same is then
  * taken off the offset o, which makes up for what an update changed and decays as the contacts'
  * offsets. Held to a limit with whatever F, what slides loses |f| |da| >= 0 and a falling limit
- * takes away what the spring has stored: it never gives energy. Told forces and this law are one
- * force: an update replaces f_k, so that no motion is counted twice. What of f is beyond the limit
- * beside contacts that an update has turned goes to what decays beside them (local_contact.c): cut
- * at once, a tip's normal that turned by 25 degrees turned the force by 6.
+ * takes away what the spring has stored: this law never gives energy. Told forces and this law are
+ * one force: an update replaces f_k, so that no motion is counted twice. What of f is beyond the
+ * limit beside contacts that an update has turned goes to what decays beside them
+ * (local_contact.c), and may give a hand something meanwhile (test_haptic_friction allows 1 mJ):
+ * cut at once, a tip's normal that turned by 25 degrees turned the force by 6.
  *
  * Coulomb's limit of several contacts, n their mean normal: each has a disc of mu_i F_i in its own
  * plane, and the ellipsoid about the sum of the discs reaches

@@ -75,6 +75,7 @@ static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
         double way[3];
         ss_sub3(way, pose->position, haptic->pose.position);
         haptic->has_stayed = !is_new_holder && ss_norm3(way) < STAYED_M;
+        haptic->holders += is_new_holder;
         ss_motion_rest(&haptic->motion);
     } else {
         ss_motion_take(&haptic->motion, &haptic->pose, pose, pose_interval(haptic, pose, tick));
@@ -122,6 +123,8 @@ static void place_proxy(ss_haptic *haptic)
     haptic->is_pressed = false;
     haptic->is_returning = false;
     haptic->placed_restart_count = haptic->restart_count;
+    haptic->is_placed_as_before = haptic->has_stayed;
+    haptic->has_stayed = false;
     ++haptic->teleports;
 }
 
@@ -420,8 +423,8 @@ static bool balance_proxy(ss_haptic *haptic, int64_t tick, const double x[3], co
     }
     double aimed[3];
     ss_copy3(aimed, out_force);
-    const bool is_turning =
-        ss_slip_turn(&haptic->slip, haptic->last_undamped, config->period, out_force);
+    const bool is_turning = ss_slip_turn(&haptic->slip, haptic->last_undamped,
+                                         ss_norm3(v) * config->period, config->period, out_force);
     ss_copy3(out_undamped, out_force);
     damp(haptic, v, out_force);
     const bool is_cut = ss_clamp_norm3(out_force, haptic->slip.limit);
@@ -534,7 +537,7 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
                              haptic->admission.held_back, haptic->ramp_from,
                              haptic->passivity.share};
     const uint8_t button = haptic->is_button_ignored ? 2 : haptic->is_pressed;
-    const uint8_t returned = haptic->has_stayed ? 2 : 0;
+    const uint8_t returned = haptic->has_stayed || haptic->is_placed_as_before ? 2 : 0;
     const uint8_t flag[] = {haptic->slip.is_kept, haptic->slip.is_from_grasp, button,
                             haptic->is_returning | returned};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {

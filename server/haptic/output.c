@@ -126,7 +126,8 @@ void ss_haptic_write_target(ss_haptic *haptic, const ss_haptic_input *input, con
     target->teleports = haptic->teleports;
     target->entries = haptic->entries;
     target->restart_count = haptic->placed_restart_count;
-    target->has_stayed = haptic->has_stayed;
+    target->has_stayed = haptic->is_placed_as_before;
+    target->holders = haptic->holders;
     ss_copy3(target->proxy, haptic->p);
     memcpy(target->orientation, ss_haptic_held_pose(haptic)->orientation,
            sizeof target->orientation);

@@ -15,7 +15,8 @@ struct ss_haptic {
     /* It came back before its ramp was over: what it left is ramped down first. */
     bool is_returning;
     softsim_pose left_pose;
-    bool has_stayed; /* it came back to where it was */
+    bool has_stayed;          /* it came back to where it was, and is not placed yet */
+    bool is_placed_as_before; /* and was placed there since */
     ss_motion motion;
     bool is_pressed;
     bool is_button_ignored; /* the button has been down since before the proxy was placed: it is
@@ -35,6 +36,7 @@ struct ss_haptic {
     int32_t bad_streak;
     int64_t bad_inputs;
     uint32_t grasp_edges, teleports, entries;
+    uint32_t holders;              /* devices so far */
     uint32_t restart_count;        /* resets and resumes so far, */
     uint32_t placed_restart_count; /* and when the proxy was placed */
     double last_force[3];

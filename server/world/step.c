@@ -110,7 +110,8 @@ static bool find_free_pose(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
         return false;
     }
     const bool is_as_before = target->has_stayed && probe->is_pressed_in;
-    if (target->restart_count == probe->inward_restart_count && !is_as_before) {
+    const bool is_restart = target->restart_count != probe->inward_restart_count;
+    if (target->holders != probe->inward_holders || (!is_restart && !is_as_before)) {
         ss_set3(probe->inward, 0.0, 0.0, 0.0); /* another device, or the same from elsewhere */
     }
     const ss_contact_exit_result result =
@@ -223,6 +224,7 @@ static void note_touch(ss_world *world, ss_world_probe *probe)
     if (probe->is_pressed_in && !ss_contact_is_inside(set)) {
         ss_scale3(probe->inward, set->normal, -1.0);
         probe->inward_restart_count = probe->step_target.restart_count;
+        probe->inward_holders = probe->step_target.holders;
     }
 }
 

@@ -98,7 +98,8 @@ typedef struct ss_world_probe {
     uint32_t found_entries;        /* of the target then */
     double outward[3];             /* the way there */
     double inward[3];              /* unit: how it was last pressed into the tissue; 0 not known, */
-    uint32_t inward_restart_count; /* and after which start */
+    uint32_t inward_restart_count; /* after which start, */
+    uint32_t inward_holders;       /* and by which device */
     bool is_pressed_in;            /* it was, when it was last in the world */
     ss_proxy_target step_target;   /* target of the step under way */
     ss_simulation_result computed; /* result of that step, until it is due */

@@ -208,6 +208,19 @@ TEST(binary_ply_may_hold_elements_that_assimp_has_no_place_for)
     assert_true(is_as_expected(&cut, bytes, size - 1));
 }
 
+/* A count of a signed type that is below zero is none: not 255 corners. */
+TEST(binary_ply_has_no_list_of_less_than_nothing)
+{
+    static const char head[] = "ply\nformat binary_little_endian 1.0\n" VERTEX
+                               "element face 1\nproperty list char uchar vertex_indices\n"
+                               "end_header\n";
+    static const import_case below = {.name = "below.ply", .says = "1 of element face, and 0 are"};
+    char bytes[1024] = {0};
+    size_t size = put(bytes, 0, head, sizeof head - 1) + 4 * 12;
+    size = put(bytes, size, "\377", 1) + 300;
+    assert_true(is_as_expected(&below, bytes, size));
+}
+
 /* ---- OBJ ---- */
 
 /* -0.1 with `digits` zeros behind it is -0.1, and the numbers behind it keep their places. */

@@ -17,6 +17,7 @@
 #include "oracles/limit_judge.h"
 #include "press_fixture.h"
 #include "rt/random.h"
+#include "rt/vec.h"
 #include "world/world.h"
 
 enum { PRESS_TICKS = 1500, OUT_TICK = 1100, HAND_TICKS = 2000, LET_GO_TICK = 2600 };
@@ -199,6 +200,76 @@ TEST(a_lowered_limit_turns_the_force_slowly)
     b.set = "contact.tools=[{probe: 0, shape: {cylinder: {radius_mm: 5, length_mm: 15}}}]";
     const double cylinder = lower_limit(&b);
     assert_true(ball <= 1.0 && cylinder <= 1.0);
+}
+
+/* Along the side and back, `way` m at `speed` m/s, as minimum jerk; at tick n of the strokes. */
+static double stroke(double way, double speed, int n, int count)
+{
+    const double ticks = 1e3 * way / speed;
+    const int k = (int)(n / ticks);
+    const double share = k < count ? smooth(n / ticks - k) : 0.0;
+    return way * (k % 2 == 0 ? share : k < count ? 1.0 - share : 1.0);
+}
+
+typedef struct swing {
+    const char *name, *set;
+    double depth, from, way, speed, limit; /* m, m, m, m/s, N */
+    int count;                             /* strokes */
+    bool is_grasp;
+} swing;
+
+/* The work on the hand, J, of a hand that sets off to the side as the limit is lowered from 3 N. */
+static double work_of_swing(const swing *w)
+{
+    enum { HOLD = 500, GRASP = 600, LOWER = 1200 };
+    body b = bodies[0];
+    b.set = w->set;
+    softsim_world *world = make_world(&b, 3.0);
+    double last[3] = {0.0, 0.0, 0.0}, felt[3] = {0.0, 0.0, 0.0}, work = 0.0;
+    const int end = LOWER + (int)(1e3 * w->count * w->way / w->speed) + 1;
+    for (int n = 0; n < end; ++n) {
+        const double aside = w->from * smooth((n - GRASP - 100) / 200.0) -
+                             stroke(w->way, w->speed, n > LOWER ? n - LOWER : 0, w->count);
+        double x[3], move[3];
+        for (int a = 0; a < 3; ++a) {
+            x[a] = b.touch[a] + ((w->depth + 0.004) * smooth(n / 400.0) - 0.004) * b.in[a] +
+                   aside * b.side[a];
+        }
+        if (n == LOWER) {
+            set_limit(ss_world_of(world), w->limit);
+        }
+        softsim_pose pose = pose_of(n + 1, x);
+        pose.buttons = w->is_grasp && n >= GRASP ? SOFTSIM_BUTTON_GRASP : 0;
+        ss_sub3(move, x, last);
+        work += n > LOWER ? ss_dot3(felt, move) : 0.0;
+        const softsim_force force = feel(world, &pose);
+        ss_copy3(felt, force.force);
+        ss_copy3(last, x);
+    }
+    softsim_destroy(&world);
+    print_message("%s: %.1f mJ on the hand\n", w->name, 1e3 * work);
+    return work;
+}
+
+/* A hand that moves as the limit is lowered gets no energy from a force that turns behind it: a
+ * grasp swung to its other side, friction that turns round. */
+TEST(a_lowered_limit_gives_a_moving_hand_no_energy)
+{
+    SKIP_WHERE_REPEATED();
+    static const swing swings[] = {
+        {"grasp, 3 to 1 N, 0.8 m/s", NULL, 0.004, 0.008, 0.016, 0.8, 1.0, 1, true},
+        {"grasp, 3 to 1 N, 0.1 m/s", NULL, 0.004, 0.008, 0.016, 0.1, 1.0, 1, true},
+        {"grasp, 3 to 2.9 N, 0.3 m/s", NULL, 0.004, 0.010, 0.020, 0.3, 2.9, 1, true},
+        {"friction .5, 3 to 2 N, 0.2 m/s", "contact.friction=0.5", 0.012, 0.003, 0.006, 0.2, 2.0, 5,
+         false},
+        {"friction 1, 3 to 2 N, 0.3 m/s", "contact.friction=1", 0.008, 0.006, 0.012, 0.3, 2.0, 3,
+         false},
+    };
+    double most = 0.0;
+    for (size_t k = 0; k < sizeof swings / sizeof *swings; ++k) {
+        most = fmax(most, work_of_swing(&swings[k]));
+    }
+    assert_true(most <= 1e-3); /* J, that a contact may hand out at all */
 }
 
 /* Pressed 16 mm, held, the limit lowered to .5 N and raised again: the force comes back to what it

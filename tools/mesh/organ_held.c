@@ -128,13 +128,15 @@ static bool holds(const ss_mesh *mesh, const organ *o, const int32_t *body, int3
     return own.is_held;
 }
 
-/* Adds a box to what is held, that has the side of a part away from the hand: as much as holds. */
-static void hold_part(const ss_mesh *mesh, organ *o, const int32_t *body, int32_t number,
+/* Adds a box to what is held, that has the side of a part away from the hand: as much as holds.
+ * False where none does. */
+static bool hold_part(const ss_mesh *mesh, organ *o, const int32_t *body, int32_t number,
                       const part *own)
 {
     const size_t used = strlen(o->fixed);
     double low[3], high[3];
     double share = HELD_SHARE;
+    bool is_held;
     do {
         for (int k = 0; k < 3; ++k) {
             const double a = o->towards[k], height = share * (own->high[k] - own->low[k]);
@@ -142,10 +144,15 @@ static void hold_part(const ss_mesh *mesh, organ *o, const int32_t *body, int32_
             high[k] = a > 0.0 ? own->low[k] + height : own->high[k];
         }
         share += HELD_MORE;
-    } while (share < 1.0 && !holds(mesh, o, body, number, low, high));
+        is_held = holds(mesh, o, body, number, low, high);
+    } while (share < 1.0 && !is_held);
+    if (!is_held) {
+        return false;
+    }
     (void)snprintf(o->fixed + used, sizeof o->fixed - used,
                    "\n    - {box_m: [[%.5f, %.5f, %.5f], [%.5f, %.5f, %.5f]]}", low[0] - 1e-5,
                    low[1] - 1e-5, low[2] - 1e-5, high[0] + 1e-5, high[1] + 1e-5, high[2] + 1e-5);
+    return true;
 }
 
 /* Of parts that the plane has nothing of, which would fly off, their own far side is held; of more
@@ -161,8 +168,7 @@ static void hold_parts(const ss_mesh *mesh, organ *o, const double point[3])
         }
         for (int32_t i = 0; i < o->part_count && o->loose_count <= MAX_HELD_PARTS; ++i) {
             if (!parts[i].is_held) {
-                hold_part(mesh, o, body, i, &parts[i]);
-                ++o->boxed_count;
+                o->boxed_count += hold_part(mesh, o, body, i, &parts[i]);
             }
         }
     }

@@ -27,6 +27,7 @@ enum { MAX_LINE = 512, MAX_NAME = 32, MAX_ELEMENTS = 16, MAX_PROPERTIES = 256 };
 
 typedef struct property {
     int count_bytes, bytes; /* of a list's count, 0: it is none; of a number */
+    int64_t most_count;     /* that its type holds: what is read beyond it was below zero */
 } property;
 
 typedef struct element {
@@ -97,8 +98,11 @@ static bool take_line(ply *p, const char *line)
         if (sscanf(line, "property list %31s %31s", counted, type) == 2) {
             q->count_bytes = bytes_of(counted);
             q->bytes = bytes_of(type);
-            return q->count_bytes > 0 && q->count_bytes <= 4 && strncmp(counted, "float", 5) != 0 &&
-                   q->bytes > 0;
+            if (q->count_bytes <= 0 || q->count_bytes > 4 || strncmp(counted, "float", 5) == 0) {
+                return false;
+            }
+            q->most_count = ((int64_t)1 << (8 * q->count_bytes - (counted[0] != 'u'))) - 1;
+            return q->bytes > 0;
         }
         q->bytes = sscanf(line, "property %31s", type) == 1 ? bytes_of(type) : 0;
         return q->bytes > 0;
@@ -187,7 +191,8 @@ static bool take_properties(ply *p, const element *e)
     for (int k = 0; k < e->properties; ++k) {
         const property *q = &e->property[k];
         int64_t count = 1;
-        if (q->count_bytes > 0 && (!take_number(p, q->count_bytes, &count) || count < least)) {
+        if (q->count_bytes > 0 &&
+            (!take_number(p, q->count_bytes, &count) || count < least || count > q->most_count)) {
             return false;
         }
         least = q->count_bytes > 0 ? 0 : least;
