@@ -12,6 +12,7 @@
 #include "process.h"
 #include "rt/memory.h"
 #include "rt/plain.h"
+#include "rt/program.h"
 #include "rt/vec.h"
 
 static const double velocity_cutoff_hz = 50.0;
@@ -69,10 +70,12 @@ void ss_bridge_fini(ss_bridge *bridge)
     bridge->device = (ss_device){0};
 }
 
+/* What a full pipe or a stopped terminal has no room for is left out: the loop would wait with the
+ * last force exerted. */
 __attribute__((format(printf, 2, 3))) static void tell(const ss_bridge *bridge, const char *format,
                                                        ...)
 {
-    if (bridge->config.program != NULL) {
+    if (bridge->config.program != NULL && ss_program_can_tell()) {
         char text[256];
         va_list arguments;
         va_start(arguments, format);
@@ -355,6 +358,13 @@ static bool wait_for_tick(ss_bridge *bridge, softsim_client *client, int64_t tic
     return true;
 }
 
+/* Whatever is said and written after the loop, the hand is let go first. */
+static void let_go(const ss_bridge *bridge)
+{
+    static const double none[3] = {0.0, 0.0, 0.0};
+    bridge->device.exert(bridge->device.state, none);
+}
+
 bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
 {
     const int64_t period_ns = (int64_t)(1e9 * bridge->device.period_s);
@@ -366,6 +376,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     for (;;) {
         if (!wait_for_tick(bridge, client, tick_ns)) {
             bridge->summary.is_complete = false;
+            let_go(bridge);
             return false;
         }
         const int64_t now_ns = softsim_client_now_ns();
@@ -373,6 +384,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
         watch_servers(bridge, client);
         if (is_over(bridge)) {
             close_summary(bridge);
+            let_go(bridge);
             return true;
         }
         softsim_pose pose;

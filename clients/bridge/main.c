@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -388,5 +389,6 @@ int main(int argc, char **argv)
         return SS_EXIT_BAD_INPUT;
     }
     ss_process_catch_stop();
+    signal(SIGPIPE, SIG_IGN); /* who reads what it says may go; the hand stays */
     return ss_program_finish(program, run(program, &o, &frame, &error));
 }

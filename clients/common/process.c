@@ -54,13 +54,14 @@ void ss_process_init_lock(pthread_mutex_t *lock)
 
 bool ss_process_tell_two(const char *program, const char *consequence, bool are_two)
 {
-    static bool is_told;
-    if (are_two && !is_told) {
+    static bool is_heard, is_told;
+    is_heard = is_heard || are_two;
+    if (is_heard && !is_told && ss_program_can_tell()) {
         fprintf(stderr,
                 "%s: two servers answer on this prefix: %s; stop one of them, or give it another "
                 "--prefix\n",
                 program, consequence);
         is_told = true;
     }
-    return is_told;
+    return is_heard;
 }

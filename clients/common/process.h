@@ -16,5 +16,6 @@ bool ss_process_raise_priority(void);
 /* Whom such a thread waits for at this lock goes on at its priority. */
 void ss_process_init_lock(pthread_mutex_t *lock);
 
-/* Tells stderr, once, that two servers answer. Returns whether it has been told. */
+/* Tells stderr, once and when it has room, that two servers answer. Returns whether they ever did.
+ */
 bool ss_process_tell_two(const char *program, const char *consequence, bool are_two);

@@ -3,7 +3,10 @@
 /* softsim-bridge against a stand-in for the server: the loop, buses, silence, ends. */
 #include "common/test.h"
 
+#include <fcntl.h>
+#include <poll.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "stand_in_fixture.h"
 
@@ -81,6 +84,84 @@ SERVED_TEST(a_hangup_ends_in_order)
     run_until_stopped(argv, SIGHUP, 0);
     assert_non_null(strstr(child.out, "peak force"));
     assert_true(count_lines(csv, false) > 50);
+}
+
+/* Fills a pipe, which has no reader now; its writers wait, from here on. */
+static void fill_pipe(int write_end)
+{
+    static const char blank[256];
+    assert_true(fcntl(write_end, F_SETFL, O_NONBLOCK) == 0);
+    while (write(write_end, blank, sizeof blank) > 0 || write(write_end, blank, 1) > 0) {
+    }
+    assert_true(fcntl(write_end, F_SETFL, 0) == 0);
+}
+
+/* Until the recording has so many lines. */
+static bool wait_for_lines(const char *path, int count)
+{
+    const double begin_s = process_now_s();
+    while (access(path, F_OK) != 0 || count_lines(path, true) < count) {
+        if (process_now_s() - begin_s > HANG_S) {
+            return false;
+        }
+        poll(NULL, 0, 20);
+    }
+    return true;
+}
+
+/* Nobody reads what it says of the server's end: its loop goes on, with no force. */
+SERVED_TEST(a_bridge_does_not_wait_for_who_reads_it)
+{
+    const char *csv = in_folder("q.csv"), *part = in_folder("q.csv.part");
+    int ends[2];
+    char sink[4096];
+    assert_true(pipe2(ends, O_CLOEXEC) == 0);
+    start_server();
+    const pid_t bridge = fork();
+    if (bridge == 0) {
+        (void)dup2(ends[1], STDERR_FILENO);
+        (void)dup2(ends[1], STDOUT_FILENO);
+        execl(BIN_DIR "/softsim-bridge", "softsim-bridge", "--device", "sim", "--offset-m", "0,0,0",
+              "--ticks", "6000", "--csv", csv, (char *)NULL);
+        _exit(127);
+    }
+    const bool has_begun = wait_for_lines(part, 500);
+    fill_pipe(ends[1]);
+    stop_server();
+    const bool goes_on = has_begun && wait_for_lines(part, 4000);
+    close(ends[1]);
+    while (read(ends[0], sink, sizeof sink) > 0) {
+    }
+    int status = 0;
+    assert_int_equal(waitpid(bridge, &status, 0), bridge);
+    assert_true(goes_on);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1); /* the server was gone */
+    assert_int_equal(count_lines(csv, false), 6001);
+    close(ends[0]);
+}
+
+/* Nor does it die of a reader that has gone. */
+SERVED_TEST(a_bridge_outlives_who_reads_it)
+{
+    const char *csv = in_folder("r.csv");
+    int ends[2];
+    assert_true(pipe2(ends, O_CLOEXEC) == 0);
+    start_server();
+    const pid_t bridge = fork();
+    if (bridge == 0) {
+        (void)dup2(ends[1], STDERR_FILENO);
+        execl(BIN_DIR "/softsim-bridge", "softsim-bridge", "--device", "sim", "--offset-m", "0,0,0",
+              "--ticks", "2500", "--csv", csv, (char *)NULL);
+        _exit(127);
+    }
+    close(ends[0]);
+    close(ends[1]);
+    (void)wait_for_lines(in_folder("r.csv.part"), 500);
+    stop_server();
+    int status = 0;
+    assert_int_equal(waitpid(bridge, &status, 0), bridge);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+    assert_int_equal(count_lines(csv, false), 2501);
 }
 
 /* With a closed stderr the CSV would be number 2 and take what is said there. */
