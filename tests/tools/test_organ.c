@@ -385,9 +385,9 @@ TEST_WITH(a_rod_keeps_its_volume, make_folder, remove_folder)
 {
     SKIP_WHERE_REPEATED();
     assert_int_equal(
-        run("awk 'BEGIN{n = 16; m = 120; for (k = 0; k <= m; ++k) for (i = 0; i < n; ++i) printf "
-            "\"v %g %g %g\\n\", 5 * cos(6.2831853 * i / n), 5 * sin(6.2831853 * i / n), 200 * k / "
-            "m; print \"v 0 0 0\"; print \"v 0 0 200\"; c = n * (m + 1); for (i = 0; i < n; ++i) "
+        run("awk 'BEGIN{n = 24; m = 120; for (k = 0; k <= m; ++k) for (i = 0; i < n; ++i) printf "
+            "\"v %g %g %g\\n\", 5 * cos(6.2831853 * i / n), 5 * sin(6.2831853 * i / n), 150 * k / "
+            "m; print \"v 0 0 0\"; print \"v 0 0 150\"; c = n * (m + 1); for (i = 0; i < n; ++i) "
             "{j = (i + 1) % n; print \"f\", c + 1, j + 1, i + 1; print \"f\", c + 2, n * m + i + "
             "1, n * m + j + 1; for (k = 0; k < m; ++k) {a = n * k; print \"f\", a + i + 1, a + j + "
             "1, a + n + j + 1; print \"f\", a + i + 1, a + n + j + 1, a + n + i + 1}}}' > rod.obj",
@@ -398,8 +398,8 @@ TEST_WITH(a_rod_keeps_its_volume, make_folder, remove_folder)
     assert_int_equal(access(in_folder("r.obj"), F_OK), -1);
     /* Two that are wound against each other have no volume to compare. */
     assert_int_equal(
-        run("awk '/^v/{print; n++; v[n]=$2 \" \" $3 + 40 \" \" $4} /^f/{f[++m]=$2 + 1938 "
-            "\" \" $4 + 1938 \" \" $3 + 1938; print} END{for(i=1;i<=n;++i) print \"v\", "
+        run("awk '/^v/{print; n++; v[n]=$2 \" \" $3 + 40 \" \" $4} /^f/{f[++m]=$2 + 2906 "
+            "\" \" $4 + 2906 \" \" $3 + 2906; print} END{for(i=1;i<=n;++i) print \"v\", "
             "v[i]; for(i=1;i<=m;++i) print \"f\", f[i]}' rod.obj > two.obj; " TOOL
             "remesh two.obj r.obj --units mm --edge-mm 3.6",
             out, sizeof out),
