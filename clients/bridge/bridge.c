@@ -16,6 +16,7 @@
 #include "rt/vec.h"
 
 static const double velocity_cutoff_hz = 50.0;
+static const double least_slew_n_per_s = 10.0;          /* that a server takes */
 static const int64_t away_ns = 250000000;               /* without a force: they have stopped */
 static const double withhold_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
 enum { FIRST_FORCES = 100 }; /* in which a start inside the tissue shows */
@@ -225,7 +226,7 @@ void ss_bridge_take_scene(void *context, const softsim_scene_report *scene)
     ss_corrector_limits *limits = &((ss_bridge *)context)->corrector.limits;
     const double slew = ss_parameter_of(scene, "haptic.max_slew_n_per_s");
     limits->force_n = ss_parameter_of(scene, "haptic.max_force_n");
-    limits->slew_n_per_s = slew > 0.0 ? slew : INFINITY;
+    limits->slew_n_per_s = slew >= least_slew_n_per_s ? slew : INFINITY;
 }
 
 /* Another sender holds the probe: its zero force stops what was felt, but is no force of ours. */
@@ -308,8 +309,8 @@ static void watch_servers(ss_bridge *bridge, const softsim_client *client)
     const double period_s = bridge->device.period_s;
     const double change = are_two ? period_s / withhold_s : -period_s / take_up_s;
     bridge->withheld = fmin(1.0, fmax(0.0, bridge->withheld + change));
-    if (are_two && bridge->config.program != NULL) {
-        ss_process_tell_two(bridge->config.program, "the force is let go", true);
+    if (bridge->config.program != NULL) {
+        ss_process_tell_two(bridge->config.program, "the force is let go", are_two);
     }
     bridge->summary.has_withheld = bridge->summary.has_withheld || are_two;
 }

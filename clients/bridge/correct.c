@@ -12,7 +12,8 @@ static const double max_displacement_m = 15e-3;
 static const double max_stiffness_n_per_m = 20000.0; /* no server couples harder */
 static const int64_t max_age_ns = 50000000;
 static const int64_t fade_ns = 20000000;
-static const double take_up_s = 0.05;
+static const double take_up_s = 0.05, longest_s = 0.01;
+static const double slip_credit_m = 5e-3;
 static const double touch_n = 0.02;
 static const double free_debt_j = 0.1e-3, full_debt_j = 0.3e-3, forget_s = 0.2;
 static const double most_damping_n_s_per_m = 60.0;
@@ -97,17 +98,23 @@ static void note_motion(ss_corrector *corrector, double elapsed_s, const double 
     }
 }
 
-/* Of a contact that the server let the tool in to, what it has stored then is the hand's. */
+/* Of a contact that the server let the tool in to, what it has stored then is the hand's: of the
+ * coupling as soon as the stiffness is told, of a slip at the force limit, where it is not, some.
+ */
 static void note_entry(ss_corrector *corrector, double size)
 {
     const softsim_force *force = &corrector->force;
-    const bool is_let_in = (force->flags & SOFTSIM_FORCE_RAMPING) != 0;
-    if (is_let_in) {
+    const bool was_let_in = corrector->is_let_in;
+    corrector->is_let_in = (force->flags & SOFTSIM_FORCE_RAMPING) != 0;
+    corrector->is_owed = corrector->is_let_in || (corrector->is_owed && size > touch_n);
+    if (corrector->is_let_in) {
         corrector->energy_j = 0.0;
-    } else if (corrector->is_let_in && force->stiffness > 0.0) {
+    } else if (corrector->is_owed && force->stiffness > 0.0) {
         corrector->energy_j = 0.5 * size * size / force->stiffness;
+        corrector->is_owed = false;
+    } else if (corrector->is_owed && was_let_in) {
+        corrector->energy_j = size * slip_credit_m;
     }
-    corrector->is_let_in = is_let_in;
 }
 
 /* Takes off a force that moves with the hand what its contact has not taken from the hand; for the
@@ -139,7 +146,8 @@ void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double po
         return;
     }
     const double elapsed_s =
-        corrector->has_exerted ? 1e-9 * (double)(now_ns - corrector->exerted_ns) : 0.0;
+        corrector->has_exerted ? fmax(0.0, 1e-9 * (double)(now_ns - corrector->exerted_ns)) : 0.0;
+    const double paced_s = fmin(elapsed_s, longest_s);
     double moved[3];
     ss_copy3(out_force, corrector->force.force);
     if (displacement(corrector, now_ns, position, moved)) {
@@ -147,12 +155,13 @@ void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double po
         (void)ss_clamp_norm3(out_force,
                              fmax(ss_norm3(corrector->force.force), corrector->limits.force_n));
     }
-    corrector->present = fmin(fade(corrector, now_ns), corrector->present + elapsed_s / take_up_s);
-    ss_scale3(out_force, out_force, corrector->present);
-    if (elapsed_s > 0.0) {
-        (void)ss_clamp_change3(out_force, corrector->exerted,
-                               corrector->limits.slew_n_per_s * elapsed_s);
+    if (paced_s > 0.0 && (corrector->force.flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
+        (void)ss_clamp_change3(out_force, corrector->undamped,
+                               corrector->limits.slew_n_per_s * paced_s);
     }
+    ss_copy3(corrector->undamped, out_force);
+    corrector->present = fmin(fade(corrector, now_ns), corrector->present + paced_s / take_up_s);
+    ss_scale3(out_force, out_force, corrector->present);
     if (corrector->is_enabled && elapsed_s > 0.0) {
         note_motion(corrector, elapsed_s, position);
         damp(corrector, elapsed_s, out_force);

@@ -30,13 +30,15 @@
  * so that tissue which moves of itself, or at another tool, still pushes a hand, slowly. While the
  * server lets a tool in (its force is flagged so), it counts what it presses in for the hand and
  * damps by itself, and here nothing is counted; what the contact has stored when that ends,
- * F^2 / 2 S where S is told, is the hand's. (Counted as a debt, each count of the device on the way
- * out took the whole force for a tick: after a gap of 50 ms it buzzed between nothing and all.)
+ * F^2 / 2 S, is the hand's. At the force limit S is 0, and the contact has stored F times a slip
+ * that is not told: 5 mm of it are the hand's until S is. (Counted as a debt, each count of the
+ * device on the way out took the whole force for a tick: after a gap of 50 ms it buzzed between
+ * nothing and all.)
  *
- * No correction takes the force beyond the limits that the server holds: its size is at most L, or
- * that of the answer where this is more (a limit is being lowered), and it moves by at most the
- * slew a period before what is damped is taken off. While L is not known it is at most the
- * answer's. (Without it, 4.9 N of a limit of 1 in taps behind a bus of 10 ms.)
+ * The force stays within the limits that the server holds: corrected, its size is at most L, or
+ * that of the answer where this is more (a limit is being lowered); corrected or not, it moves by
+ * at most the slew before it fades and what is damped is taken off. While L is not known it is at
+ * most the answer's. (Without it, 4.9 N of a limit of 1 in taps behind a bus of 10 ms.)
  *
  * When no force has come for 50 ms (the server is gone) the last one fades to zero in 20 ms, and
  * where they come again comes back in 50 ms.
@@ -67,8 +69,10 @@ typedef struct ss_corrector {
     int64_t received_ns;
     /* state: the contact's energy */
     bool has_exerted, is_touching;
-    bool is_let_in; /* the force is ramping */
-    double present; /* share: 1 while forces come */
+    bool is_let_in;     /* the force is ramping, */
+    bool is_owed;       /* or was, and what the contact stored meanwhile is not counted yet */
+    double present;     /* share: 1 while forces come, and after a silence in the end */
+    double undamped[3]; /* the last force, before its share and what is damped */
     int64_t exerted_ns;
     double exerted[3], exerted_at[3];
     double velocity[3]; /* m/s */

@@ -115,6 +115,7 @@ static void place_proxy(ss_haptic *haptic)
     ss_copy3(haptic->p, haptic->pose.position);
     ss_set3(haptic->pdot, 0.0, 0.0, 0.0);
     ss_slip_clear(&haptic->slip);
+    haptic->slip.turning = 0.0;
     ss_yield_clear(&haptic->yield);
     /* A hand grasps by a press: a tool that is placed in tissue would be drawn through it by what
      * it took on its way in. */
@@ -537,9 +538,9 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
                              haptic->admission.held_back, haptic->ramp_from,
                              haptic->passivity.share};
     const uint8_t button = haptic->is_button_ignored ? 2 : haptic->is_pressed;
-    const uint8_t returned = haptic->has_stayed || haptic->is_placed_as_before ? 2 : 0;
+    const uint8_t stays = (haptic->has_stayed ? 2 : 0) | (haptic->is_placed_as_before ? 4 : 0);
     const uint8_t flag[] = {haptic->slip.is_kept, haptic->slip.is_from_grasp, button,
-                            haptic->is_returning | returned};
+                            haptic->is_returning | stays};
     for (size_t i = 0; i < sizeof vector / sizeof *vector; ++i) {
         hash = ss_hash_bytes(hash, vector[i], 3 * sizeof *vector[i]);
     }

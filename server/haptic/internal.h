@@ -347,7 +347,7 @@ void ss_slip_clear(ss_slip *slip);
 bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, double size,
                     double stiffness);
 /* After a limit was lowered to below the force, `force` (N, about to be felt) keeps its size and
- * turns from `last`, that of the tick before, by less than a degree, and more where the hand moved:
+ * turns from `last`, that of the tick before, by 13 rad/s at most, and more where the hand moved:
  * `way`, m, in this tick. True where that held it back. */
 bool ss_slip_turn(ss_slip *slip, const double last[3], double way, double period, double force[3]);
 /* s: until a hand with velocity v comes out of the limit; INFINITY where it does not, or is not

@@ -18,14 +18,14 @@
  * A limit that is lowered under a press sends the proxy out by millimetres in a tick or two. The
  * tissue follows in some 30 results and swings meanwhile, and with it the direction of its force f:
  * by up to 35 degrees a tick, there and back (a kidney, 3 to .5 N). What is felt keeps the size and
- * turns in the plane of both from its own last direction u towards f by at most a,
- *   F = |f| (u cos a + t sin a),   t = f - (f.u) u, normalised,   a = TURN_MAX + |dx| / TURN_WAY,
- * for TURNING_TIME from each lowering on: 0.24 s to the very opposite, and then the tissue comes to
- * rest. dx is the hand's way in the tick: F - f, of an angle b, gives a hand that moves at most
- * |f| b |dx|, and with that share of the way b is gone within millimetres. With TURN_MAX alone a
- * hand that swung a grasp to its other side, or turned round against friction, got up to 31 mJ
- * where it pays 8 without any turning. The proxy, what the tissue is pressed with, and the torque
- * stay those of the balance. A force that ends, or begins, has no direction to keep.
+ * turns in the plane of both from its own last direction u towards f by at most a, T the period,
+ *   F = |f| (u cos a + t sin a),   t = f - (f.u) u, normalised,   a = TURN_RATE T + |dx| /
+ * TURN_WAY, for TURNING_TIME from each lowering on: 0.24 s to the very opposite, and then the
+ * tissue comes to rest. dx is the hand's way in the tick: F - f, of an angle b, gives a hand that
+ * moves at most |f| b |dx|, and with that share of the way b is gone within millimetres. With
+ * TURN_RATE alone a hand that swung a grasp to its other side, or turned round against friction,
+ * got up to 31 mJ where it pays 8 without any turning. The proxy, what the tissue is pressed with,
+ * and the torque stay those of the balance. A force that ends, or begins, has no direction to keep.
  *
  * Rejected: the limit of the balance eased down in 10 to 100 ms instead: still 6 degrees a tick
  * with a sphere, 14 with a cylinder.
@@ -46,17 +46,16 @@
 #define RISE_SPEED_MIN   0.005 /* m/s */
 #define NEGLIGIBLE       1e-9  /* m */
 #define NEGLIGIBLE_FORCE 1e-9  /* N */
-/* How a lowered limit turns the force: at most by that a tick, and for the hand's way; so long. */
-#define TURN_MAX     (0.75 * 0.017453292519943295) /* rad */
-#define TURN_WAY     0.002                         /* m a rad */
-#define TURNING_TIME 0.3                           /* s */
+/* How a lowered limit turns the force: by that at most, and for the hand's way; so long. */
+#define TURN_RATE    13.0  /* rad/s: 0.745 degrees in 1 ms */
+#define TURN_WAY     0.002 /* m a rad */
+#define TURNING_TIME 0.3   /* s */
 
 void ss_slip_clear(ss_slip *slip)
 {
     ss_set3(slip->aside, 0.0, 0.0, 0.0);
     slip->is_kept = false;
     slip->is_from_grasp = false;
-    slip->turning = 0.0;
 }
 
 /* A limit that is raised under a hand gives it what the lower one spared it: 2 to 4 mJ from 0.3 to
@@ -100,7 +99,7 @@ bool ss_slip_turn(ss_slip *slip, const double last[3], double way, double period
         slip->turning = 0.0;
         return false;
     }
-    const double most = TURN_MAX + way / TURN_WAY;
+    const double most = TURN_RATE * period + way / TURN_WAY;
     double u[3], aside[3];
     slip->turning -= period;
     ss_scale3(u, last, 1.0 / last_size);

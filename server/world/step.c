@@ -126,6 +126,7 @@ static bool find_free_pose(ss_world *world, int32_t p, ss_tool_pose *inout_pose)
             twice < probe->steps_unplaced + most ? twice : probe->steps_unplaced + most;
         return false;
     }
+    probe->inward_restart_count = target->restart_count; /* that start has been made */
     *inout_pose = probe->search.from;
     ss_add3(inout_pose->position, inout_pose->position, way);
     probe->is_found_inside = ss_normalize3(way) > 0.0;

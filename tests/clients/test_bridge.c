@@ -323,7 +323,8 @@ TEST(an_entry_that_ends_at_the_limit_gives_no_more_than_it_took)
         ss_corrector_take_force(&c, &given, ms * 1000000LL);
         ss_corrector_force(&c, ms * 1000000LL, at, force);
     }
-    assert_true(energy > -1.5e-3);
+    /* 5 mm of slip at 2 N may have been stored in the entry. */
+    assert_true(energy > -10e-3 - 1.5e-3);
 }
 
 /* What a contact has not taken it does not give: 40 mJ else. What it has, it does. */
@@ -342,10 +343,8 @@ TEST(a_contact_gives_no_more_than_it_took)
 
 /* ---- bus ---- */
 
-/* After a gap a server lets a tool in that was found 6 mm deep, flagged, while the hand comes out
- * slowly, as a device of 30 um a count tells: what it is given had been pressed in for it, and its
- * force does not fall at each count. */
-TEST(a_force_that_is_let_in_does_not_buzz_on_the_way_out)
+/* The steepest change, N a ms, of a force of at most `limit` N that a server lets in. */
+static double buzz_on_the_way_out(double limit)
 {
     static ss_corrector c;
     softsim_force f = {.normal = {0, 0, 1}, .pose_seq = 1};
@@ -358,15 +357,26 @@ TEST(a_force_that_is_let_in_does_not_buzz_on_the_way_out)
         double out[3];
         ss_corrector_note_pose(&c, k, now_ns, at);
         f.pose_seq = k;
-        f.force[2] = -300.0 * z * share;
-        f.stiffness = k < 500 ? 0.0 : 300.0;
+        f.force[2] = fmin(limit, -300.0 * z) * share;
+        f.stiffness = k < 500 || -300.0 * z >= limit ? 0.0 : 300.0;
         f.flags = k < 500 ? SOFTSIM_FORCE_RAMPING : 0;
         ss_corrector_take_force(&c, &f, now_ns);
         ss_corrector_force(&c, now_ns, at, out);
         worst = fmax(worst, fabs(out[2] - last));
         last = out[2];
     }
-    assert_true(worst < 0.02); /* a count is 9 mN; N a ms */
+    return worst;
+}
+
+/* After a gap a server lets a tool in that was found 6 mm deep, flagged, while the hand comes out
+ * slowly, as a device of 30 um a count tells: what it is given had been pressed in for it, and its
+ * force does not fall at each count, at a force limit neither. */
+TEST(a_force_that_is_let_in_does_not_buzz_on_the_way_out)
+{
+    static const double limits[] = {8.0, 0.5};
+    for (int k = 0; k < 2; ++k) {
+        assert_true(buzz_on_the_way_out(limits[k]) < 0.02); /* a count is 9 mN */
+    }
 }
 
 TEST(bus_delays_and_keeps_order)

@@ -109,6 +109,29 @@ static bool wait_for_lines(const char *path, int count)
     return true;
 }
 
+/* A bridge that has no end of its own, and says what it says into `sink`. */
+static pid_t start_bridge_into(int sink, const char *csv)
+{
+    const pid_t bridge = fork();
+    if (bridge == 0) {
+        (void)dup2(sink, STDERR_FILENO);
+        (void)dup2(sink, STDOUT_FILENO);
+        execl(BIN_DIR "/softsim-bridge", "softsim-bridge", "--device", "sim", "--offset-m", "0,0,0",
+              "--csv", csv, (char *)NULL);
+        _exit(127);
+    }
+    return bridge;
+}
+
+/* Of a bridge whose server has stopped 2 s of its time ago, which it has told. */
+static void expect_ordered_end(pid_t bridge, const char *csv)
+{
+    int status = 0;
+    assert_int_equal(waitpid(bridge, &status, 0), bridge);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
+    assert_true(count_lines(csv, false) >= 3000);
+}
+
 /* Nobody reads what it says of the server's end: its loop goes on, with no force. */
 SERVED_TEST(a_bridge_does_not_wait_for_who_reads_it)
 {
@@ -117,51 +140,36 @@ SERVED_TEST(a_bridge_does_not_wait_for_who_reads_it)
     char sink[4096];
     assert_true(pipe2(ends, O_CLOEXEC) == 0);
     start_server();
-    const pid_t bridge = fork();
-    if (bridge == 0) {
-        (void)dup2(ends[1], STDERR_FILENO);
-        (void)dup2(ends[1], STDOUT_FILENO);
-        execl(BIN_DIR "/softsim-bridge", "softsim-bridge", "--device", "sim", "--offset-m", "0,0,0",
-              "--ticks", "6000", "--csv", csv, (char *)NULL);
-        _exit(127);
-    }
+    const pid_t bridge = start_bridge_into(ends[1], csv);
     const bool has_begun = wait_for_lines(part, 500);
     fill_pipe(ends[1]);
     stop_server();
-    const bool goes_on = has_begun && wait_for_lines(part, 4000);
+    const bool goes_on = has_begun && wait_for_lines(part, 3000);
+    assert_int_equal(kill(bridge, SIGTERM), 0);
     close(ends[1]);
     while (read(ends[0], sink, sizeof sink) > 0) {
     }
-    int status = 0;
-    assert_int_equal(waitpid(bridge, &status, 0), bridge);
-    assert_true(goes_on);
-    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1); /* the server was gone */
-    assert_int_equal(count_lines(csv, false), 6001);
     close(ends[0]);
+    assert_true(goes_on);
+    expect_ordered_end(bridge, csv);
 }
 
 /* Nor does it die of a reader that has gone. */
 SERVED_TEST(a_bridge_outlives_who_reads_it)
 {
-    const char *csv = in_folder("r.csv");
+    const char *csv = in_folder("r.csv"), *part = in_folder("r.csv.part");
     int ends[2];
     assert_true(pipe2(ends, O_CLOEXEC) == 0);
     start_server();
-    const pid_t bridge = fork();
-    if (bridge == 0) {
-        (void)dup2(ends[1], STDERR_FILENO);
-        execl(BIN_DIR "/softsim-bridge", "softsim-bridge", "--device", "sim", "--offset-m", "0,0,0",
-              "--ticks", "2500", "--csv", csv, (char *)NULL);
-        _exit(127);
-    }
+    const pid_t bridge = start_bridge_into(ends[1], csv);
     close(ends[0]);
     close(ends[1]);
-    (void)wait_for_lines(in_folder("r.csv.part"), 500);
+    const bool has_begun = wait_for_lines(part, 500);
     stop_server();
-    int status = 0;
-    assert_int_equal(waitpid(bridge, &status, 0), bridge);
-    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
-    assert_int_equal(count_lines(csv, false), 2501);
+    const bool goes_on = has_begun && wait_for_lines(part, 3000);
+    assert_int_equal(kill(bridge, SIGTERM), 0);
+    assert_true(goes_on);
+    expect_ordered_end(bridge, csv);
 }
 
 /* With a closed stderr the CSV would be number 2 and take what is said there. */

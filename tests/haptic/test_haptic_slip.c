@@ -99,6 +99,21 @@ TEST(a_lowered_limit_turns_the_force_at_its_size)
     }
 }
 
+/* The hand's way adds a radian in two millimetres; so far at once, nothing is held back. */
+TEST(what_a_limit_turns_is_gone_within_millimetres_of_way)
+{
+    ss_haptic_config config = default_config();
+    config.max_force = 0.5;
+    ss_slip slip = {.limit = 3.0, .stiffness_fraction = 1.0};
+    const double last[3] = {0.0, 0.0, 0.5};
+    double slow[3] = {0.5, 0.0, 0.0}, fast[3] = {0.5, 0.0, 0.0};
+    assert_true(ss_slip_follow(&slip, &config, 2.0, 3.0, 0.0));
+    assert_true(ss_slip_turn(&slip, last, 0.001, T, slow));
+    assert_near(atan2(slow[0], slow[2]), 0.5 + 13.0 * T, 1e-12);
+    assert_false(ss_slip_turn(&slip, last, 0.007, T, fast));
+    assert_near(fast[0], 0.5, 0.0);
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);

@@ -214,6 +214,40 @@ TEST(a_device_that_fell_silent_goes_out_the_way_it_came)
     }
 }
 
+/* Pressed on top of the kidney and out again, a reset; the same device, which has been felt outside
+ * meanwhile, or another one then comes to stand inside near its bottom. The most force against the
+ * way out of there, N. */
+static double come_elsewhere(bool is_other)
+{
+    enum { RESET = 900, SILENT = 1200, BACK = 1800, END = 2700 };
+    const body *b = &bodies[0];
+    softsim_world *world = make_bundled_world(b, 3.0);
+    double most = 0.0;
+    int late = 0;
+    for (int n = 0; n < END; ++n) {
+        const bool is_there = n < RESET || (n < SILENT && !is_other) || n >= BACK;
+        double x[3];
+        at(b, n < BACK ? 0.016 * (smooth(n / 300.0) - smooth((n - 500) / 300.0)) - 0.004 : 0.0393,
+           0.0, x);
+        softsim_pose pose = pose_of(n + 1, x);
+        pose.sender += n >= BACK && is_other;
+        const softsim_force force =
+            turn(ss_world_of(world), SIMULATION_FIRST, is_there ? &pose : NULL,
+                 n == RESET ? "reset" : NULL, &late);
+        most = fmax(most, n >= BACK ? -ss_dot3(force.force, b->in) : 0.0);
+        assert_true(n < END - 1 || ss_norm3(force.force) > 0.5);
+    }
+    softsim_destroy(&world);
+    return most;
+}
+
+TEST(the_way_in_is_no_other_device_s_nor_that_of_another_place)
+{
+    SKIP_WHERE_REPEATED();
+    assert_true(come_elsewhere(false) < 0.02);
+    assert_true(come_elsewhere(true) < 0.02);
+}
+
 /* ---- pressed through ---- */
 
 typedef enum restart { BY_RESET, BY_RESUME, RESTARTS } restart;

@@ -191,8 +191,8 @@ static bool take_properties(ply *p, const element *e)
     for (int k = 0; k < e->properties; ++k) {
         const property *q = &e->property[k];
         int64_t count = 1;
-        if (q->count_bytes > 0 &&
-            (!take_number(p, q->count_bytes, &count) || count < least || count > q->most_count)) {
+        if (q->count_bytes > 0 && (!take_number(p, q->count_bytes, &count) || count < least ||
+                                   (!p->is_text && count > q->most_count))) {
             return false;
         }
         least = q->count_bytes > 0 ? 0 : least;
