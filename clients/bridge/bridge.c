@@ -16,7 +16,8 @@
 #include "rt/vec.h"
 
 static const double velocity_cutoff_hz = 50.0;
-static const double least_slew_n_per_s = 10.0;          /* that a server takes */
+/* The least that a server takes; until it has told its own. */
+static const double least_slew_n_per_s = 10.0, usual_slew_n_per_s = 2000.0;
 static const int64_t away_ns = 250000000;               /* without a force: they have stopped */
 static const double withhold_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
 enum { FIRST_FORCES = 100 }; /* in which a start inside the tissue shows */
@@ -226,7 +227,7 @@ void ss_bridge_take_scene(void *context, const softsim_scene_report *scene)
     ss_corrector_limits *limits = &((ss_bridge *)context)->corrector.limits;
     const double slew = ss_parameter_of(scene, "haptic.max_slew_n_per_s");
     limits->force_n = ss_parameter_of(scene, "haptic.max_force_n");
-    limits->slew_n_per_s = slew >= least_slew_n_per_s ? slew : INFINITY;
+    limits->slew_n_per_s = slew >= least_slew_n_per_s ? slew : usual_slew_n_per_s;
 }
 
 /* Another sender holds the probe: its zero force stops what was felt, but is no force of ours. */
@@ -373,7 +374,8 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     int64_t tick_ns = softsim_client_now_ns();
     bridge->start_ns = tick_ns;
     bridge->is_served = true;
-    bridge->corrector.limits.force_n = 0.0; /* until the server tells it */
+    bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
+    (void)softsim_client_send_command(client, "refresh", ""); /* for the server's own */
     for (;;) {
         if (!wait_for_tick(bridge, client, tick_ns)) {
             bridge->summary.is_complete = false;

@@ -11,15 +11,13 @@ const ss_corrector_limits ss_corrector_unlimited = {INFINITY, INFINITY};
 static const double max_displacement_m = 15e-3;
 static const double max_stiffness_n_per_m = 20000.0; /* no server couples harder */
 static const int64_t max_age_ns = 50000000;
-static const int64_t fade_ns = 20000000;
+static const int64_t fade_ns = 20000000, fresh_ns = 10000000;
 static const double take_up_s = 0.05, longest_s = 0.01;
 static const double slip_credit_m = 5e-3;
 static const double touch_n = 0.02;
 static const double free_debt_j = 0.1e-3, full_debt_j = 0.3e-3, forget_s = 0.2;
 static const double most_damping_n_s_per_m = 60.0;
-/* One count of a device's position in 1 ms is 30 mm/s; later than this, slides over ridges still
- * hand out a millijoule. */
-static const double velocity_cutoff_hz = 100.0;
+static const double least_cutoff_hz = 10.0, most_cutoff_hz = 100.0, cutoff_hz_per_m_per_s = 2000.0;
 
 void ss_corrector_init(ss_corrector *corrector, bool is_enabled, ss_corrector_limits limits)
 {
@@ -80,7 +78,9 @@ static void correct(const softsim_force *force, const double moved[3], double ou
         ss_madd3(out_force, force->force, -stiffness, moved);
     } else if (fabs(ss_norm3(n) - 1.0) < 1e-3 && normal_force > 0.0) {
         const double corrected = fmax(0.0, normal_force - stiffness * ss_dot3(n, moved));
+        const double share = fmin(1.0, corrected / normal_force);
         ss_madd3(out_force, force->force, -normal_force, n); /* tangential part */
+        ss_scale3(out_force, out_force, share);
         ss_madd3(out_force, out_force, corrected, n);
     }
 }
@@ -88,7 +88,9 @@ static void correct(const softsim_force *force, const double moved[3], double ou
 /* What the hand did under the force exerted since the last call, `elapsed_s` ago. */
 static void note_motion(ss_corrector *corrector, double elapsed_s, const double position[3])
 {
-    const double alpha = 1.0 - exp(-2.0 * SS_PI * velocity_cutoff_hz * elapsed_s);
+    const double cutoff_hz = fmin(
+        most_cutoff_hz, least_cutoff_hz + cutoff_hz_per_m_per_s * ss_norm3(corrector->velocity));
+    const double alpha = 1.0 - exp(-2.0 * SS_PI * cutoff_hz * elapsed_s);
     double moved[3];
     ss_sub3(moved, position, corrector->exerted_at);
     corrector->energy_j -= ss_dot3(corrector->exerted, moved);
@@ -98,14 +100,16 @@ static void note_motion(ss_corrector *corrector, double elapsed_s, const double 
     }
 }
 
-/* Of a contact that the server let the tool in to, what it has stored then is the hand's: of the
- * coupling as soon as the stiffness is told, of a slip at the force limit, where it is not, some.
- */
-static void note_entry(ss_corrector *corrector, double size)
+/* Of a contact that the server let the tool in to, or that came back after a silence, what it has
+ * stored then is the hand's: of the coupling as soon as the stiffness is told, of a slip at the
+ * force limit, where it is not, some. */
+static void note_entry(ss_corrector *corrector, int64_t now_ns, double size)
 {
     const softsim_force *force = &corrector->force;
     const bool was_let_in = corrector->is_let_in;
-    corrector->is_let_in = (force->flags & SOFTSIM_FORCE_RAMPING) != 0;
+    const bool is_fresh = now_ns - corrector->received_ns < fresh_ns;
+    corrector->is_let_in =
+        is_fresh && ((force->flags & SOFTSIM_FORCE_RAMPING) != 0 || corrector->present < 1.0);
     corrector->is_owed = corrector->is_let_in || (corrector->is_owed && size > touch_n);
     if (corrector->is_let_in) {
         corrector->energy_j = 0.0;
@@ -119,13 +123,13 @@ static void note_entry(ss_corrector *corrector, double size)
 
 /* Takes off a force that moves with the hand what its contact has not taken from the hand; for the
  * coming period of `elapsed_s`. */
-static void damp(ss_corrector *corrector, double elapsed_s, double force[3])
+static void damp(ss_corrector *corrector, int64_t now_ns, double elapsed_s, double force[3])
 {
     const double size = ss_norm3(force);
     const bool is_touching = size > touch_n;
     corrector->energy_j = is_touching && !corrector->is_touching ? 0.0 : corrector->energy_j;
     corrector->is_touching = is_touching;
-    note_entry(corrector, size);
+    note_entry(corrector, now_ns, size);
     if (corrector->is_let_in) {
         return;
     }
@@ -164,7 +168,7 @@ void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double po
     ss_scale3(out_force, out_force, corrector->present);
     if (corrector->is_enabled && elapsed_s > 0.0) {
         note_motion(corrector, elapsed_s, position);
-        damp(corrector, elapsed_s, out_force);
+        damp(corrector, now_ns, elapsed_s, out_force);
     }
     corrector->has_exerted = true;
     corrector->exerted_ns = now_ns;

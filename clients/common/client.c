@@ -161,8 +161,8 @@ static void receive_reply(void *context, const ss_packet *packet)
     softsim_reply_t_decode_cleanup(&reply);
 }
 
-/* Is a viewer's message, decoded or not, to be handed on? Statuses say which server is listened to:
- * the mesh and the scene come from other ports, the mesh from one of its own. */
+/* Is a viewer's message, decoded or not, to be handed on? Of the mesh, which comes from a port of
+ * its own, statuses say which server is listened to. */
 static bool is_viewed(softsim_client *client, const ss_packet *packet, bool is_good)
 {
     client->counts.malformed += is_good ? 0 : 1;
@@ -183,10 +183,24 @@ static bool is_viewed(softsim_client *client, const ss_packet *packet, bool is_g
             client->config.handle_##name(client->config.context, &message);                        \
         }                                                                                          \
     }
-RECEIVE(scene, softsim_scene_report)
 RECEIVE(topology, softsim_topology_chunk)
 RECEIVE(delta, softsim_mesh_delta)
 RECEIVE(field, softsim_mesh_field)
+
+/* The server sends it from where its forces and statuses come, once these are heard. */
+static void receive_scene(void *context, const ss_packet *packet)
+{
+    softsim_client *client = context;
+    const int64_t now_ns = ss_clock_now_ns();
+    softsim_scene_report scene;
+    const bool is_good = ss_view_decode_scene(packet->data, packet->size, &client->room, &scene);
+    if (is_good && !(ss_origin_allows(&client->force_origin, packet->source, now_ns) &&
+                     ss_origin_allows(&client->status_origin, packet->source, now_ns))) {
+        ++client->counts.second;
+    } else if (is_viewed(client, packet, is_good)) {
+        client->config.handle_scene(client->config.context, &scene);
+    }
+}
 
 static void receive_pose(void *context, const ss_packet *packet)
 {

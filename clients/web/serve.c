@@ -195,15 +195,15 @@ static void make_room(ss_serve *serve)
     if (serve->guest_count < GUESTS) {
         return;
     }
-    guest *idle = longest_idle(serve);
-    for (int32_t k = 0; k < serve->guest_count && has_spoken(idle->wsi); ++k) {
-        note_guest(serve, idle->wsi);
-        idle = longest_idle(serve);
-    }
-    /* The first time it is said goodbye to, and would have ten seconds to answer. */
-    struct lws *leaving = idle->wsi;
-    for (int k = 0; k < 2 && find_guest(serve, leaving) != NULL; ++k) {
-        lws_set_timeout(leaving, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_SYNC);
+    /* One that is closing already, as after a request that is none, may stay for seconds. */
+    for (int32_t k = 0, count = serve->guest_count; k < count && serve->guest_count >= GUESTS;
+         ++k) {
+        struct lws *idle = longest_idle(serve)->wsi;
+        /* The first time it is said goodbye to, and would have ten seconds to answer. */
+        for (int n = 0; n < 2 && find_guest(serve, idle) != NULL && !has_spoken(idle); ++n) {
+            lws_set_timeout(idle, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_SYNC);
+        }
+        note_guest(serve, idle);
     }
 }
 

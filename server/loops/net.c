@@ -147,7 +147,7 @@ static int32_t handle_command(void *context, const char *name, const char *argum
         ss_loops_end(loops);
         break;
     case SS_COMMAND_SET:
-        loops->scene_ns = 0;
+        loops->has_set = true;
         if (record.key == SS_LIVE_MAX_BYTES) {
             atomic_store_explicit(&loops->max_bytes_per_s, record.value, memory_order_release);
         } else if (record.key == SS_LIVE_FIELD) {
@@ -187,9 +187,14 @@ static void settle_forces(ss_loops *loops)
 
 /* ---- the loop ---- */
 
-/* How long until the next one. */
+/* How long until the next one. What was set is told at once: clients hold the force limit, too. */
 static int64_t send_due_status(ss_loops *loops)
 {
+    if (loops->has_set) {
+        loops->has_set = false;
+        ss_loops_send_scene(loops);
+        loops->scene_ns = ss_clock_now_ns();
+    }
     const int64_t period_ns = loops->is_status_asked ? ASKED_PERIOD_NS : STATUS_PERIOD_NS;
     const int64_t left_ns = loops->status_ns + period_ns - ss_clock_now_ns();
     if (left_ns > 0) {

@@ -2,8 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "loops/state.h"
 /*
- * What the server says of its scene, every two seconds and on refresh: the tools, and what the
- * command `set` reaches. Built anew each time, since a value may have been set since.
+ * What the server says of its scene, every two seconds, on refresh and on set: the tools, and what
+ * the command `set` reaches. Built anew each time, since a value may have been set since.
  */
 #include <stdio.h>
 #include <string.h>

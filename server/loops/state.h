@@ -68,7 +68,7 @@ typedef struct ss_loops {
     char slow_reason[128];
     double peak_force;
     int64_t status_ns; /* when the last one went out */
-    bool is_status_asked;
+    bool is_status_asked, has_set;
     int64_t scene_ns;      /* when the scene went out; 0: at once */
     int64_t queue_refused; /* poses that found their ring full */
     ss_haptic_stats haptic_stats;

@@ -133,7 +133,12 @@ TEST(correction_follows_the_normal)
     assert_near(force[2], 1.5, 1e-12);
     const double out[3] = {0.01, 0.02, 0.0015};
     ss_corrector_force(&c, 3000000, out, force);
-    assert_near(force[2], 0.0, 0.0); /* never pulls in */
+    assert_near(force[2], 0.0, 0.0); /* never pulls in, */
+    assert_near(force[0], 0.0, 0.0); /* and nothing is left across */
+    const double half[3] = {0.01, 0.02, -0.001};
+    ss_corrector_force(&c, 3000000, half, force);
+    assert_near(force[2], 0.5, 1e-12);
+    assert_near(force[0], 0.125, 1e-12);
 }
 
 TEST(correction_is_bounded)

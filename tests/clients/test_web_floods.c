@@ -205,6 +205,35 @@ TEST_WITH(floods_of_random_input_leave_nothing_behind, NULL, end_web)
     stop_web(0);
 }
 
+/* What is no request is closed at once, and keeps no place while the library parts with it; those
+ * who say nothing after it have no more of them than before. */
+TEST_WITH(what_is_no_request_keeps_nobody_out, NULL, end_web)
+{
+    enum { SILENT = 200, PLACES = 64 };
+    static const char foo[] = "FOO / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n",
+                      tls[] = "\x16\x03\x01\x02";
+    int silent[SILENT];
+    start_web("127.0.0.1", NULL, NULL);
+    assert_int_equal(get("/", ""), 200);
+    const int files = open_files();
+    for (int k = 0; k < 2; ++k) {
+        const int fd = dial();
+        const char *said = k == 0 ? foo : tls;
+        assert_true(send(fd, said, strlen(said), MSG_NOSIGNAL) > 0);
+        assert_int_equal(get("/", ""), 200); /* it has been read since */
+        close(fd);
+    }
+    for (int k = 0; k < SILENT; ++k) {
+        silent[k] = dial();
+    }
+    assert_int_equal(get("/", ""), 200);
+    assert_true(open_files() <= files + PLACES);
+    for (int k = 0; k < SILENT; ++k) {
+        close(silent[k]);
+    }
+    stop_web(0);
+}
+
 /* A hundred who want a WebSocket: of those who may, as many as there is room for; then the next. */
 TEST_WITH(a_crowd_gets_what_room_there_is, NULL, end_web)
 {

@@ -273,6 +273,34 @@ static void count_pose(const lcm_recv_buf_t *buffer, const char *channel, void *
     ++*(int *)user;
 }
 
+/* Taps behind a bus of 10 ms, whose correction would take them to 4.9 N: the device is told no more
+ * than the server's limit, which it has from the scene's report. */
+TEST_WITH(a_bridge_stays_within_the_limit_that_was_set, make_folder, tear_down)
+{
+    static const char lower[] = "set haptic.max_force_n=1";
+    const char *csv = in_folder("tap.csv");
+    const char *const set[] = {"softsim-monitor", "--command", lower, NULL};
+    const char *const tap[] = {
+        "softsim-bridge", "--device", "sim",   "--script", "tap", "--delay-ms", "10",
+        "--ticks",        "3000",     "--csv", csv,        NULL};
+    start_kidney();
+    assert_int_equal(process_run(&client, set), 0);
+    assert_int_equal(process_run(&client, tap), 0);
+    assert_int_equal(stop_daemon(), 0);
+    FILE *file = fopen(csv, "r");
+    assert_non_null(file);
+    char line[1024];
+    double f[3], most = 0.0;
+    while (fgets(line, sizeof line, file)) {
+        if (sscanf(line, "%*d,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%lf,%lf,%lf", &f[0], &f[1],
+                   &f[2]) == 3) {
+            most = fmax(most, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
+        }
+    }
+    fclose(file);
+    assert_true(most > 0.0 && most <= 1.0 + 1e-9);
+}
+
 /* It speaks on to nobody, and is answered again by the next server. How long that takes to start is
  * the machine's affair, and 5 s without an answer end a replay: it is held meanwhile. */
 TEST_WITH(replay_outlives_a_killed_daemon, make_folder, tear_down)
