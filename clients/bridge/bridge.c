@@ -16,8 +16,8 @@
 #include "rt/vec.h"
 
 static const double velocity_cutoff_hz = 50.0;
-/* The least that a server takes; until it has told its own. */
-static const double least_slew_n_per_s = 10.0, usual_slew_n_per_s = 2000.0;
+static const double least_slew_n_per_s = 10.0;          /* that a server takes */
+static const double usual_slew_n_per_s = 2000.0;        /* until it has told its own */
 static const int64_t away_ns = 250000000;               /* without a force: they have stopped */
 static const double withhold_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
 enum { FIRST_FORCES = 100 }; /* in which a start inside the tissue shows */
@@ -222,6 +222,13 @@ void ss_bridge_take_force(void *context, const softsim_force *force, int64_t rec
     }
 }
 
+/* Of a server that may be another one now. */
+static void forget_limits(ss_bridge *bridge)
+{
+    bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
+    bridge->wants_scene = true;
+}
+
 void ss_bridge_take_scene(void *context, const softsim_scene_report *scene)
 {
     ss_corrector_limits *limits = &((ss_bridge *)context)->corrector.limits;
@@ -260,6 +267,7 @@ static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t ar
              1e-9 * (double)(arrival_ns - bridge->start_ns),
              1e-9 * (double)(arrival_ns - bridge->last_force_ns));
         summary->has_stopped = false;
+        forget_limits(bridge);
     }
     bridge->last_force_ns = arrival_ns;
     ++summary->forces;
@@ -374,8 +382,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     int64_t tick_ns = softsim_client_now_ns();
     bridge->start_ns = tick_ns;
     bridge->is_served = true;
-    bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
-    (void)softsim_client_send_command(client, "refresh", ""); /* for the server's own */
+    forget_limits(bridge);
     for (;;) {
         if (!wait_for_tick(bridge, client, tick_ns)) {
             bridge->summary.is_complete = false;
@@ -385,6 +392,10 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
         const int64_t now_ns = softsim_client_now_ns();
         take_arrived(bridge, now_ns);
         watch_servers(bridge, client);
+        if (bridge->wants_scene) {
+            bridge->wants_scene = false;
+            (void)softsim_client_send_command(client, "refresh", "");
+        }
         if (is_over(bridge)) {
             close_summary(bridge);
             let_go(bridge);

@@ -71,8 +71,9 @@ typedef struct ss_bridge {
 
     /* state */
     ss_corrector corrector;
-    int32_t seq;    /* of the last pose */
-    bool is_served; /* against a server */
+    int32_t seq;      /* of the last pose */
+    bool is_served;   /* against a server, */
+    bool wants_scene; /* whose limits are not known */
     bool has_sample;
     ss_device_sample sample; /* of the present tick */
     double velocity[3];      /* device frame, below 50 Hz */

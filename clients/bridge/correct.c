@@ -100,21 +100,21 @@ static void note_motion(ss_corrector *corrector, double elapsed_s, const double 
     }
 }
 
-/* Of a contact that the server let the tool in to, or that came back after a silence, what it has
- * stored then is the hand's: of the coupling as soon as the stiffness is told, of a slip at the
- * force limit, where it is not, some. */
+/* Of a contact that the server let the tool in to, what it has stored then is the hand's: of the
+ * coupling as soon as the stiffness is told, of a slip at the force limit, where it is not, some.
+ */
 static void note_entry(ss_corrector *corrector, int64_t now_ns, double size)
 {
     const softsim_force *force = &corrector->force;
     const bool was_let_in = corrector->is_let_in;
-    const bool is_fresh = now_ns - corrector->received_ns < fresh_ns;
     corrector->is_let_in =
-        is_fresh && ((force->flags & SOFTSIM_FORCE_RAMPING) != 0 || corrector->present < 1.0);
-    corrector->is_owed = corrector->is_let_in || (corrector->is_owed && size > touch_n);
+        (force->flags & SOFTSIM_FORCE_RAMPING) != 0 && now_ns - corrector->received_ns < fresh_ns;
+    corrector->is_owed = corrector->is_let_in || (corrector->is_owed && corrector->is_touching);
     if (corrector->is_let_in) {
         corrector->energy_j = 0.0;
     } else if (corrector->is_owed && force->stiffness > 0.0) {
-        corrector->energy_j = 0.5 * size * size / force->stiffness;
+        const double stretch_m = fmin(size / force->stiffness, max_displacement_m);
+        corrector->energy_j = 0.5 * size * stretch_m;
         corrector->is_owed = false;
     } else if (corrector->is_owed && was_let_in) {
         corrector->energy_j = size * slip_credit_m;
@@ -126,14 +126,15 @@ static void note_entry(ss_corrector *corrector, int64_t now_ns, double size)
 static void damp(ss_corrector *corrector, int64_t now_ns, double elapsed_s, double force[3])
 {
     const double size = ss_norm3(force);
-    const bool is_touching = size > touch_n;
+    /* A silence ends no contact: what it has taken before stays the hand's. */
+    const bool is_touching = ss_norm3(corrector->undamped) > touch_n;
     corrector->energy_j = is_touching && !corrector->is_touching ? 0.0 : corrector->energy_j;
     corrector->is_touching = is_touching;
     note_entry(corrector, now_ns, size);
     if (corrector->is_let_in) {
         return;
     }
-    const double speed = is_touching ? ss_dot3(force, corrector->velocity) / size : 0.0;
+    const double speed = size > touch_n ? ss_dot3(force, corrector->velocity) / size : 0.0;
     if (speed > 0.0) {
         const double debt = size * speed * elapsed_s - corrector->energy_j;
         const double share = (debt - free_debt_j) / (full_debt_j - free_debt_j);

@@ -188,6 +188,19 @@ static bool has_spoken(struct lws *wsi)
     return recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
 }
 
+/* The first time it is said goodbye to, and would have ten seconds to answer. One that is closing
+ * already, as after a request that is none, stays at that: it goes at the library's next turn. */
+static void send_away(ss_serve *serve, struct lws *wsi)
+{
+    for (int k = 0; k < 2 && find_guest(serve, wsi) != NULL; ++k) {
+        lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_SYNC);
+    }
+    if (find_guest(serve, wsi) != NULL) {
+        lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+        note_guest(serve, wsi);
+    }
+}
+
 /* Before a new one comes. At once: a library that has as many connections as it may (4.1.6) loses
  * track of others. */
 static void make_room(ss_serve *serve)
@@ -195,15 +208,16 @@ static void make_room(ss_serve *serve)
     if (serve->guest_count < GUESTS) {
         return;
     }
-    /* One that is closing already, as after a request that is none, may stay for seconds. */
-    for (int32_t k = 0, count = serve->guest_count; k < count && serve->guest_count >= GUESTS;
-         ++k) {
+    for (int32_t k = 0; k < serve->guest_count && serve->guest_count >= GUESTS; ++k) {
         struct lws *idle = longest_idle(serve)->wsi;
-        /* The first time it is said goodbye to, and would have ten seconds to answer. */
-        for (int n = 0; n < 2 && find_guest(serve, idle) != NULL && !has_spoken(idle); ++n) {
-            lws_set_timeout(idle, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_SYNC);
+        if (has_spoken(idle)) {
+            note_guest(serve, idle);
+        } else {
+            send_away(serve, idle);
         }
-        note_guest(serve, idle);
+    }
+    if (serve->guest_count >= GUESTS) { /* all have spoken */
+        send_away(serve, longest_idle(serve)->wsi);
     }
 }
 

@@ -190,7 +190,7 @@ static void settle_forces(ss_loops *loops)
 /* How long until the next one. What was set is told at once: clients hold the force limit, too. */
 static int64_t send_due_status(ss_loops *loops)
 {
-    if (loops->has_set) {
+    if (loops->has_set && ss_clock_now_ns() - loops->scene_ns >= ASKED_PERIOD_NS) {
         loops->has_set = false;
         ss_loops_send_scene(loops);
         loops->scene_ns = ss_clock_now_ns();

@@ -207,6 +207,28 @@ TEST(correction_stays_within_the_limit)
     }
 }
 
+/* What a scene's report says, and what is no limit. */
+TEST(limits_are_those_that_the_server_tells)
+{
+    static const struct {
+        const char *force, *slew;
+        double expected[2];
+    } cases[] = {
+        {"haptic.max_force_n=3 0.1 8 N", "haptic.max_slew_n_per_s=500 10 2000 N/s", {3.0, 500.0}},
+        {"haptic.max_force_n=nan 0 1 N", "haptic.max_slew_n_per_s=1e-300 0 1 N/s", {0.0, 2000.0}},
+        {"haptic.max_force_n=-1 0 1 N", "haptic.max_slew_n_per_s=inf 0 1 N/s", {0.0, 2000.0}},
+        {"haptic.max_force_newton=3 0 1 N", "haptic.max_slew_n_per_s= 0 1", {0.0, 2000.0}},
+    };
+    static ss_bridge bridge;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const softsim_scene_report scene = {.parameter_count = 2,
+                                            .parameter = {cases[i].force, cases[i].slew}};
+        ss_bridge_take_scene(&bridge, &scene);
+        assert_near(bridge.corrector.limits.force_n, cases[i].expected[0], 0.0);
+        assert_near(bridge.corrector.limits.slew_n_per_s, cases[i].expected[1], 0.0);
+    }
+}
+
 /* From 4 N to none and back, answers of one ms to the next: 2 N a ms, either way. */
 TEST(the_force_moves_by_the_slew)
 {
@@ -312,7 +334,7 @@ static double energy_of_a_stroke(int in_mm, int out_mm, bool *out_is_whole)
 
 /* Let in to the force limit, where the server tells no stiffness, by a tool that goes in 2 mm and
  * out 20: what is given is counted from the end of the entry on. */
-TEST(an_entry_that_ends_at_the_limit_gives_no_more_than_it_took)
+TEST(an_entry_that_ends_at_the_limit_gives_no_more_than_a_slip_of_5_mm)
 {
     static ss_corrector c;
     double force[3] = {0.0, 0.0, 0.0}, at[3] = {0.0, 0.0, 0.0}, energy = 0.0;

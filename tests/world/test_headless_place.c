@@ -37,7 +37,7 @@ static void at(const body *b, double depth, double side, double out[3])
 /* A tool that was pressed in from outside. */
 typedef struct pressing {
     softsim_world *world;
-    double hand[3];
+    double hand[3], proxy[3]; /* as it was pressed in */
     int32_t seq;
 } pressing;
 
@@ -48,7 +48,8 @@ static pressing press_from_outside(const visit *v)
     for (int n = 0; n < 1000; ++n) {
         at(v->b, (v->depth + 0.030) * smooth(n / 600.0) - 0.030, v->side, out.hand);
         const softsim_pose pose = pose_of(++out.seq, out.hand);
-        (void)feel(out.world, &pose);
+        const softsim_force force = feel(out.world, &pose);
+        ss_copy3(out.proxy, force.proxy);
     }
     return out;
 }
@@ -127,12 +128,14 @@ static visited come_inside(const visit *v)
 static bool is_felt(const visit *v, pressing *presser)
 {
     const visited in = come_inside(v);
-    double outside[3], off[3];
+    double outside[3], off[3], apart[3];
     force_with_proxy_at(presser, in.proxy, outside);
+    ss_sub3(apart, in.proxy, presser->proxy);
     ss_sub3(off, in.force, outside);
     const double size = ss_norm3(outside), share = ss_norm3(off) / size;
-    const bool is_good = share < 0.02 && in.is_placed && in.rise < 0.05 * size &&
-                         in.most < 1.1 * size && strstr(in.reason, "found inside") == NULL;
+    const bool is_good = share < 0.02 && ss_norm3(apart) < 2.5e-3 && in.is_placed &&
+                         in.rise < 0.05 * size && in.most < 1.1 * size &&
+                         strstr(in.reason, "found inside") == NULL;
     print_message("%s %.0f mm deep, %.0f mm aside, %s, heard %d: %s, %.3f N (%.1f %% off %.3f N), "
                   "at most %.3f, %.4f up a tick, %s%s\n",
                   v->b->name, 1e3 * v->depth, 1e3 * v->side,
