@@ -268,6 +268,8 @@ static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t ar
              1e-9 * (double)(arrival_ns - bridge->last_force_ns));
         summary->has_stopped = false;
         forget_limits(bridge);
+    } else if (summary->forces == 0) {
+        forget_limits(bridge); /* whoever told them before a force came */
     }
     bridge->last_force_ns = arrival_ns;
     ++summary->forces;

@@ -12,7 +12,7 @@ static const double max_displacement_m = 15e-3;
 static const double max_stiffness_n_per_m = 20000.0; /* no server couples harder */
 static const int64_t max_age_ns = 50000000;
 static const int64_t fade_ns = 20000000, fresh_ns = 10000000;
-static const double take_up_s = 0.05, longest_s = 0.01;
+static const double take_up_s = 0.05, longest_s = 0.01, give_back_s = 0.02;
 static const double slip_credit_m = 5e-3;
 static const double touch_n = 0.02;
 static const double free_debt_j = 0.1e-3, full_debt_j = 0.3e-3, forget_s = 0.2;
@@ -132,15 +132,19 @@ static void damp(ss_corrector *corrector, int64_t now_ns, double elapsed_s, doub
     corrector->is_touching = is_touching;
     note_entry(corrector, now_ns, size);
     if (corrector->is_let_in) {
+        corrector->taken = 0.0;
         return;
     }
+    double taken = 0.0;
     const double speed = size > touch_n ? ss_dot3(force, corrector->velocity) / size : 0.0;
     if (speed > 0.0) {
         const double debt = size * speed * elapsed_s - corrector->energy_j;
         const double share = (debt - free_debt_j) / (full_debt_j - free_debt_j);
         const double damping = most_damping_n_s_per_m * fmin(1.0, fmax(0.0, share));
-        ss_scale3(force, force, fmax(0.0, 1.0 - damping * speed / size));
+        taken = fmin(1.0, damping * speed / size);
     }
+    corrector->taken = fmax(taken, corrector->taken * exp(-elapsed_s / give_back_s));
+    ss_scale3(force, force, 1.0 - corrector->taken);
 }
 
 void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double position[3],

@@ -28,17 +28,18 @@
  *
  *   F - alpha v >= 0,   alpha growing to 60 N s/m at -0.3 mJ
  *
- * and never more than F: a hand that presses feels what it felt. v is filtered at 10 Hz and 2 Hz
- * for each mm/s of it (Casiez, Roussel and Vogel, 1 euro filter, CHI 2012): a count of 30 um of a
- * hand at rest is 2 mm/s, a tap is known after 3 ms. (At 100 Hz it was 14, and in a debt each count
- * took half of the force for a tick.) Debts are forgotten within 0.2 s, so that tissue which moves
- * of itself, or at another tool, still pushes a hand, slowly. While the server lets a tool in (its
- * force is flagged so, and comes), it counts what it presses in for the hand and damps by itself,
- * and here nothing is counted; what the contact has stored when that ends, F^2 / 2 S, is the
- * hand's. At the force limit S is 0, and the contact has stored F times a slip that is not told: 5
- * mm of it are the hand's until S is. So it is where forces come again. (Counted as a debt, each
- * count of the device on the way out took the whole force for a tick: after a gap of 50 ms it
- * buzzed between nothing and all.)
+ * and never more than F: a hand that presses feels what it felt. What is taken off is given back in
+ * 20 ms: else the next tick of a tap that left had all of it again, and the one after it nothing. v
+ * is filtered at 10 Hz and 2 Hz for each mm/s of it (Casiez, Roussel and Vogel, 1 euro filter, CHI
+ * 2012): a count of 30 um of a hand at rest is 2 mm/s, a tap is known after 3 ms. (At 100 Hz it was
+ * 14, and in a debt each count took half of the force for a tick.) Debts are forgotten within 0.2
+ * s, so that tissue which moves of itself, or at another tool, still pushes a hand, slowly. While
+ * the server lets a tool in (its force is flagged so, and comes), it counts what it presses in for
+ * the hand and damps by itself, and here nothing is counted; what the contact has stored when that
+ * ends, F^2 / 2 S, is the hand's. At the force limit S is 0, and the contact has stored F times a
+ * slip that is not told: 5 mm of it are the hand's until S is. So it is where forces come again.
+ * (Counted as a debt, each count of the device on the way out took the whole force for a tick:
+ * after a gap of 50 ms it buzzed between nothing and all.)
  *
  * The force stays within the limits that the server holds: corrected, its size is at most L, or
  * that of the answer where this is more (a limit is being lowered); corrected or not, it moves by
@@ -76,6 +77,7 @@ typedef struct ss_corrector {
     bool has_exerted, is_touching;
     bool is_let_in;     /* the force is ramping, */
     bool is_owed;       /* or was, and what the contact stored meanwhile is not counted yet */
+    double taken;       /* share of the force, by damping */
     double present;     /* share: 1 while forces come, and after a silence in the end */
     double undamped[3]; /* the last force, before its share and what is damped */
     int64_t exerted_ns;

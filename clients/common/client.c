@@ -191,11 +191,10 @@ RECEIVE(field, softsim_mesh_field)
 static void receive_scene(void *context, const ss_packet *packet)
 {
     softsim_client *client = context;
-    const int64_t now_ns = ss_clock_now_ns();
     softsim_scene_report scene;
     const bool is_good = ss_view_decode_scene(packet->data, packet->size, &client->room, &scene);
-    if (is_good && !(ss_origin_allows(&client->force_origin, packet->source, now_ns) &&
-                     ss_origin_allows(&client->status_origin, packet->source, now_ns))) {
+    if (is_good && !(ss_origin_allows(&client->force_origin, packet->source) &&
+                     ss_origin_allows(&client->status_origin, packet->source))) {
         ++client->counts.second;
     } else if (is_viewed(client, packet, is_good)) {
         client->config.handle_scene(client->config.context, &scene);

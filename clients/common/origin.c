@@ -48,9 +48,9 @@ bool ss_origin_take(ss_origin *origin, uint64_t source, int64_t now_ns)
     return true;
 }
 
-bool ss_origin_allows(const ss_origin *origin, uint64_t source, int64_t now_ns)
+bool ss_origin_allows(const ss_origin *origin, uint64_t source)
 {
-    return is_silent(origin, now_ns) || source == origin->first.source;
+    return origin->first.heard_ns == 0 || source == origin->first.source;
 }
 
 bool ss_origin_hears_two(const ss_origin *origin, int64_t now_ns)

@@ -36,7 +36,7 @@ typedef struct ss_origin {
 
 /* Is a message from `source` the first server's, to be handed on? */
 bool ss_origin_take(ss_origin *origin, uint64_t source, int64_t now_ns);
-/* Is it the first server, or is none heard now? Says nothing of who speaks. */
-bool ss_origin_allows(const ss_origin *origin, uint64_t source, int64_t now_ns);
+/* Is it the first server, silent or not, or was none heard yet? Says nothing of who speaks. */
+bool ss_origin_allows(const ss_origin *origin, uint64_t source);
 /* Do two servers speak? */
 bool ss_origin_hears_two(const ss_origin *origin, int64_t now_ns);

@@ -368,6 +368,30 @@ TEST(a_contact_gives_no_more_than_it_took)
     assert_false(is_whole);
 }
 
+/* A tap leaves at 0.4 m/s with credit for two more ticks of its force, which falls by 0.1 N a ms:
+ * what was taken off once does not come back whole as soon as the credit is enough for what is
+ * left. */
+TEST(what_is_taken_off_comes_back_slowly)
+{
+    static ss_corrector c;
+    softsim_force given = make_force(1);
+    double at[3] = {0.0, 0.0, 0.0}, force[3], last = INFINITY;
+    bool is_taken = false;
+    given.stiffness = 0.0;
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
+    for (int ms = 0; ms < 26; ++ms) {
+        const int out_ms = ms - 6;
+        ss_set3(given.force, 0.0, 0.0, fmin(2.0, 2.0 - 0.1 * out_ms));
+        at[2] += out_ms < 0 ? -0.2e-3 : 0.4e-3;
+        ss_corrector_take_force(&c, &given, ms * 1000000LL);
+        ss_corrector_force(&c, ms * 1000000LL, at, force);
+        assert_true(force[2] - last < 0.1);
+        is_taken = is_taken || (ms > 6 && force[2] < 0.5 * given.force[2]);
+        last = force[2];
+    }
+    assert_true(is_taken);
+}
+
 /* ---- bus ---- */
 
 /* The steepest change, N a ms, of a force of at most `limit` N that a server lets in. */
