@@ -187,14 +187,15 @@ RECEIVE(topology, softsim_topology_chunk)
 RECEIVE(delta, softsim_mesh_delta)
 RECEIVE(field, softsim_mesh_field)
 
-/* The server sends it from where its forces and statuses come, once these are heard. */
+/* The server sends it from where its statuses and forces come, the statuses as long as it lives. */
 static void receive_scene(void *context, const ss_packet *packet)
 {
     softsim_client *client = context;
+    const ss_origin *origin =
+        client->config.handle_status != NULL ? &client->status_origin : &client->force_origin;
     softsim_scene_report scene;
     const bool is_good = ss_view_decode_scene(packet->data, packet->size, &client->room, &scene);
-    if (is_good && !(ss_origin_allows(&client->force_origin, packet->source) &&
-                     ss_origin_allows(&client->status_origin, packet->source))) {
+    if (is_good && !ss_origin_allows(origin, packet->source)) {
         ++client->counts.second;
     } else if (is_viewed(client, packet, is_good)) {
         client->config.handle_scene(client->config.context, &scene);
