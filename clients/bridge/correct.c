@@ -17,7 +17,7 @@ static const double slip_credit_m = 5e-3;
 static const double touch_n = 0.02;
 static const double free_debt_j = 0.1e-3, full_debt_j = 0.3e-3, forget_s = 0.2;
 static const double most_damping_n_s_per_m = 60.0;
-static const double least_cutoff_hz = 10.0, most_cutoff_hz = 100.0, cutoff_hz_per_m_per_s = 2000.0;
+static const double least_cutoff_hz = 20.0, most_cutoff_hz = 100.0, cutoff_hz_per_m_per_s = 2000.0;
 
 void ss_corrector_init(ss_corrector *corrector, bool is_enabled, ss_corrector_limits limits)
 {

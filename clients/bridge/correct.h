@@ -30,8 +30,8 @@
  *
  * and never more than F: a hand that presses feels what it felt. What is taken off is given back in
  * 20 ms: else the next tick of a tap that left had all of it again, and the one after it nothing. v
- * is filtered at 10 Hz and 2 Hz for each mm/s of it (Casiez, Roussel and Vogel, 1 euro filter, CHI
- * 2012): a count of 30 um of a hand at rest is 2 mm/s, a tap is known after 3 ms. (At 100 Hz it was
+ * is filtered at 20 Hz and 2 Hz for each mm/s of it (Casiez, Roussel and Vogel, 1 euro filter, CHI
+ * 2012): a count of 30 um of a hand at rest is 4 mm/s, a tap is known after 3 ms. (At 100 Hz it was
  * 14, and in a debt each count took half of the force for a tick.) Debts are forgotten within 0.2
  * s, so that tissue which moves of itself, or at another tool, still pushes a hand, slowly. While
  * the server lets a tool in (its force is flagged so, and comes), it counts what it presses in for
