@@ -222,7 +222,7 @@ void ss_bridge_take_force(void *context, const softsim_force *force, int64_t rec
     }
 }
 
-/* Of a server that may be another one now. */
+/* Whoever told them may not be the server whose forces come now. */
 static void forget_limits(ss_bridge *bridge)
 {
     bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
@@ -262,14 +262,14 @@ static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t ar
         summary->other_s += 1e-9 * (double)(arrival_ns - bridge->other_since_ns);
         bridge->other_since_ns = 0;
     }
+    if (summary->has_stopped || summary->forces == 0) {
+        forget_limits(bridge);
+    }
     if (summary->has_stopped) {
         tell(bridge, "forces again at %.1f s, after %.1f s",
              1e-9 * (double)(arrival_ns - bridge->start_ns),
              1e-9 * (double)(arrival_ns - bridge->last_force_ns));
         summary->has_stopped = false;
-        forget_limits(bridge);
-    } else if (summary->forces == 0) {
-        forget_limits(bridge); /* whoever told them before a force came */
     }
     bridge->last_force_ns = arrival_ns;
     ++summary->forces;
@@ -384,7 +384,6 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     int64_t tick_ns = softsim_client_now_ns();
     bridge->start_ns = tick_ns;
     bridge->is_served = true;
-    forget_limits(bridge);
     for (;;) {
         if (!wait_for_tick(bridge, client, tick_ns)) {
             bridge->summary.is_complete = false;

@@ -161,8 +161,8 @@ static void receive_reply(void *context, const ss_packet *packet)
     softsim_reply_t_decode_cleanup(&reply);
 }
 
-/* Is a viewer's message, decoded or not, to be handed on? Of the mesh, which comes from a port of
- * its own, statuses say which server is listened to. */
+/* Is a viewer's message, decoded or not, to be handed on? Whoever sent it: the mesh comes from a
+ * port of its own. */
 static bool is_viewed(softsim_client *client, const ss_packet *packet, bool is_good)
 {
     client->counts.malformed += is_good ? 0 : 1;

@@ -16,15 +16,10 @@ static void note_return(ss_origin *origin, int64_t now_ns)
     }
 }
 
-/* For so long that another is taken. */
-static bool is_silent(const ss_origin *origin, int64_t now_ns)
-{
-    return origin->first.heard_ns == 0 || now_ns - origin->first.heard_ns > origin->silent_ns;
-}
-
 bool ss_origin_take(ss_origin *origin, uint64_t source, int64_t now_ns)
 {
     ss_origin_server *first = &origin->first, *second = &origin->second;
+    const bool is_silent = first->heard_ns == 0 || now_ns - first->heard_ns > origin->silent_ns;
     const bool is_recent = second->heard_ns != 0 && now_ns - second->heard_ns <= MEMORY_NS;
     if (first->heard_ns != 0 && source == first->source) {
         if (is_recent && second->heard_ns > first->heard_ns) {
@@ -35,7 +30,7 @@ bool ss_origin_take(ss_origin *origin, uint64_t source, int64_t now_ns)
     }
     const bool was_taken = is_recent && source == second->source && second->was_taken;
     const ss_origin_server other = {.source = source, .heard_ns = now_ns, .was_taken = was_taken};
-    if (!is_silent(origin, now_ns)) {
+    if (!is_silent) {
         *second = other;
         return false;
     }

@@ -19,8 +19,9 @@
  * tissue follows in some 30 results and swings meanwhile, and with it the direction of its force f:
  * by up to 35 degrees a tick, there and back (a kidney, 3 to .5 N). What is felt keeps the size and
  * turns in the plane of both from its own last direction u towards f by at most a, T the period,
- *   F = |f| (u cos a + t sin a),   t = f - (f.u) u, normalised,   a = TURN_RATE T + |dx| /
- * TURN_WAY, for TURNING_TIME from each lowering on: 0.24 s to the very opposite, and then the
+ *   F = |f| (u cos a + t sin a),   t = f - (f.u) u, normalised,
+ *   a = TURN_RATE T + |dx| / TURN_WAY,
+ * for TURNING_TIME from each lowering on: 0.24 s to the very opposite, and then the
  * tissue comes to rest. dx is the hand's way in the tick: F - f, of an angle b, gives a hand that
  * moves at most |f| b |dx|, and with that share of the way b is gone within millimetres. With
  * TURN_RATE alone a hand that swung a grasp to its other side, or turned round against friction,
