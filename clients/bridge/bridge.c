@@ -20,7 +20,10 @@ static const double least_slew_n_per_s = 10.0;          /* that a server takes *
 static const double usual_slew_n_per_s = 2000.0;        /* until it has told its own */
 static const int64_t away_ns = 250000000;               /* without a force: they have stopped */
 static const double withhold_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
-enum { FIRST_FORCES = 100 }; /* in which a start inside the tissue shows */
+enum {
+    FIRST_FORCES = 100,  /* in which a start inside the tissue shows */
+    SEVERAL_FORCES = 100 /* that none comes late by: a server counts from its start */
+};
 
 #define COLUMNS "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j"
 const char ss_bridge_csv_header[] = COLUMNS "\n";
@@ -183,6 +186,19 @@ static void note_place(ss_bridge_summary *s, const double position[3])
     ss_copy3(s->way[s->way_count++], position);
 }
 
+/* The bridge's own damping of a contact: at most what the contact exerts, so that tissue does not
+ * pull, and with it within the server's limit. */
+static void add_damping(const ss_bridge *bridge, double device[3])
+{
+    const double size = ss_norm3(device);
+    const double limit = bridge->frame.force_scale * bridge->corrector.limits.force_n;
+    double damping[3];
+    ss_scale3(damping, bridge->velocity, -bridge->config.damping_n_s_per_m);
+    (void)ss_clamp_norm3(damping, size);
+    ss_madd3(device, device, 1.0, damping);
+    (void)ss_clamp_norm3(device, fmax(size, limit));
+}
+
 /* Exerts the force in effect for one period, corrected to `pose`, and names it there. */
 static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
 {
@@ -194,7 +210,7 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     const bool is_contact =
         pose->force_seq >= 0 && (bridge->corrector.force.flags & SOFTSIM_FORCE_CONTACT) != 0;
     if (is_contact) {
-        ss_madd3(device, device, -bridge->config.damping_n_s_per_m, bridge->velocity);
+        add_damping(bridge, device);
     }
     const double size = ss_norm3(device);
     if (size > bridge->device.max_exerted_n) {
@@ -214,19 +230,26 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
 
 /* ---- against a server ---- */
 
-void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns)
-{
-    ss_bridge *bridge = context;
-    if (force->probe == bridge->config.probe) {
-        bridge->summary.lost += !ss_bus_send(bridge->forces_in, receive_ns, force);
-    }
-}
-
 /* Whoever told them may not be the server whose forces come now. */
 static void forget_limits(ss_bridge *bridge)
 {
     bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
     bridge->wants_scene = true;
+}
+
+void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns)
+{
+    ss_bridge *bridge = context;
+    if (force->probe != bridge->config.probe) {
+        return;
+    }
+    if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
+        if (force->seq < bridge->force_seq - SEVERAL_FORCES) {
+            forget_limits(bridge);
+        }
+        bridge->force_seq = force->seq;
+    }
+    bridge->summary.lost += !ss_bus_send(bridge->forces_in, receive_ns, force);
 }
 
 void ss_bridge_take_scene(void *context, const softsim_scene_report *scene)

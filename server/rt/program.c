@@ -67,7 +67,7 @@ int ss_program_finish(const char *program, int status)
     }
     const char *slash = strrchr(program, '/');
     fprintf(stderr, "%s: cannot write to stdout: %s\n", slash != NULL ? slash + 1 : program,
-            errno != 0 ? strerror(errno) : "an earlier write failed");
+            errno != 0 ? strerror(errno) : "is the disk full, or stdout closed?");
     return status != 0 ? status : 1;
 }
 

@@ -234,6 +234,59 @@ TEST_WITH(what_is_no_request_keeps_nobody_out, NULL, end_web)
     stop_web(0);
 }
 
+static int64_t cpu_ticks(void)
+{
+    char path[64], text[1024];
+    (void)snprintf(path, sizeof path, "/proc/%d/stat", (int)web.pid);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    assert_non_null(fgets(text, sizeof text, file));
+    fclose(file);
+    long long user = 0, system = 0;
+    assert_int_equal(sscanf(strrchr(text, ')'),
+                            ") %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %lld %lld", &user,
+                            &system),
+                     2);
+    return user + system;
+}
+
+/* Until the other side has closed. */
+static void hear_out(int fd)
+{
+    char text[4096];
+    while (recv(fd, text, sizeof text, 0) > 0) {
+    }
+}
+
+/* The library would go round without sleeping while what has come on a connection stays unread, for
+ * the five seconds in which it parts with it. */
+TEST_WITH(what_stays_unread_costs_nothing, NULL, end_web)
+{
+    enum { MORE = 9000, TIMES = 30 };
+    static const char none[] = "GET /none HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+    char much[MORE], many[TIMES * sizeof none] = "";
+    memset(much, 'A', sizeof much);
+    for (int k = 0; k < TIMES; ++k) {
+        strcat(many, none);
+    }
+    start_web("127.0.0.1", NULL, NULL);
+    assert_int_equal(get("/", ""), 200);
+    const int64_t before = cpu_ticks();
+    const char *const said[] = {much, "FOO\r\n\r\n", many};
+    const size_t sizes[] = {sizeof much, 7, strlen(many)};
+    for (int k = 0; k < 3; ++k) {
+        const int fd = dial();
+        assert_true(send(fd, said[k], sizes[k], MSG_NOSIGNAL) > 0);
+        if (k == 1) {
+            shutdown(fd, SHUT_WR);
+        }
+        hear_out(fd);
+        close(fd);
+    }
+    assert_true(cpu_ticks() - before < sysconf(_SC_CLK_TCK));
+    stop_web(0);
+}
+
 /* A hundred who want a WebSocket: of those who may, as many as there is room for; then the next. */
 TEST_WITH(a_crowd_gets_what_room_there_is, NULL, end_web)
 {
