@@ -94,7 +94,7 @@ TEST_WITH(the_unit_is_judged_by_size, make_folder, remove_folder)
         const char *body, *unit;
     } cases[] = {{"liver", "dm"}, {"kidney", "mm"}, {"kidney", "m"}, {"kidney", "cm"}};
     char wanted[64];
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    for (size_t i = 0; i < FULL_IN_RELEASE(sizeof cases / sizeof *cases, 1); ++i) {
         run_tool("generate %s --points 120 --units %s --out body.obj", cases[i].body,
                  cases[i].unit);
         assert_int_equal(run(TOOL "scene body.obj --tissue liver --out o.yaml", out, sizeof out),
@@ -132,6 +132,18 @@ static void run_told(const char *mark)
     }
 }
 
+/* Those that a surface is told to be filled by. */
+static void run_filling(void)
+{
+    char *end = strstr(out, ", then a scene of what that makes");
+    if (end == NULL) {
+        fail_msg("not told how it is filled: %s", out);
+        return;
+    }
+    *end = '\0';
+    run_told(" is a surface: ");
+}
+
 /* Of what comes next the mesh is not doubted any more. */
 static void expect_even(const char *verdict)
 {
@@ -148,6 +160,7 @@ static void expect_even(const char *verdict)
  * face). */
 TEST_WITH(a_mesh_that_does_not_suit_the_tool_is_to_be_evened_out, make_folder, remove_folder)
 {
+    SKIP_WHERE_REPEATED();
     static const char box[] = "v 0 0 0\nv 60 0 0\nv 60 40 0\nv 0 40 0\nv 0 0 30\nv 60 0 30\n"
                               "v 60 40 30\nv 0 40 30\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n"
                               "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
@@ -196,6 +209,7 @@ TEST_WITH(a_mesh_that_does_not_suit_the_tool_is_to_be_evened_out, make_folder, r
 /* In a unit that makes no organ of it it is taken, and told. The kidney has 107 to 110 mm. */
 TEST_WITH(a_size_that_no_organ_has_is_told, make_folder, remove_folder)
 {
+    SKIP_WHERE_REPEATED();
     run_tool("generate kidney --points 120 --units mm --out body.obj");
     assert_int_equal(
         run(TOOL "scene body.obj --tissue kidney --units cm --out o.yaml", out, sizeof out), 0);
@@ -228,7 +242,7 @@ TEST_WITH(the_held_part_is_chosen_or_as_asked, make_folder, remove_folder)
         {"--from -z", "normal: [0, 0, -1]", NULL},
     };
     run_tool("generate block --tetrahedra --size-mm 80,80,40 --points 120 --out block.msh");
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    for (size_t i = 0; i < FULL_IN_RELEASE(sizeof cases / sizeof *cases, 2); ++i) {
         char command[512];
         (void)snprintf(command, sizeof command,
                        TOOL "scene block.msh --tissue liver --model cnn-energy --out o.yaml %s",
@@ -259,10 +273,7 @@ TEST_WITH(a_surface_is_felt_or_told_how_to_be_filled, make_folder, remove_folder
     assert_int_equal(
         run(TOOL "scene kidney.obj --tissue kidney --model fem --out f.yaml", out, sizeof out), 2);
     assert_int_equal(access(in_folder("f.yaml"), F_OK), -1);
-    char *end = strstr(out, ", then a scene of what that makes");
-    assert_non_null(end);
-    *end = '\0';
-    run_told(" is a surface: ");
+    run_filling();
     assert_int_equal(
         run(TOOL "scene kidney-filled.msh --tissue kidney --out f.yaml", out, sizeof out), 0);
     assert_non_null(strstr(out, "f.yaml: fem-quadratic, "));
@@ -406,8 +417,8 @@ TEST_WITH(a_rod_keeps_its_volume, make_folder, remove_folder)
             out, sizeof out),
         0);
     assert_int_equal(
-        run(TOOL "scene rod.obj --tissue kidney --from +x --out o.yaml", out, sizeof out), 0);
-    run_told("fill it: ");
+        run(TOOL "scene rod.obj --tissue kidney --model fem --out o.yaml", out, sizeof out), 2);
+    run_filling();
     const double before = number_after(out, "slivers, volume ");
     const double after = number_after(strstr(out, "rod-coarse.obj: "), "slivers, volume ");
     assert_true(fabs(after - before) < 0.08 * before);
