@@ -64,6 +64,11 @@ const char *softsim_log_path(const softsim_log_writer *writer)
     return output->temporary != NULL ? output->temporary : output->path;
 }
 
+const char *softsim_log_kept(const softsim_log_writer *writer)
+{
+    return writer->output.kept;
+}
+
 bool softsim_log_has_failed(const softsim_log_writer *writer)
 {
     return writer->output.reason != 0;

@@ -16,13 +16,14 @@
 #include "rt/files.h"
 #include "rt/plain.h"
 
-/* More than a second of rows at 1 kHz, and how many rows wait in it at most. */
-enum { RECORDING_BUFFER = 1 << 20, MAX_ROWS = 8192 };
+/* More than a second of rows at 1 kHz, and how many rows wait in it at most; how many that killed
+ * programs left. */
+enum { RECORDING_BUFFER = 1 << 20, MAX_ROWS = 8192, MAX_KEPT = 1000 };
 static const int64_t flush_ns = 1000000000;
 
 static void forget(ss_output *output)
 {
-    SS_EACH(free, output->path, output->temporary, output->buffer, output->row_end);
+    SS_EACH(free, output->path, output->temporary, output->kept, output->buffer, output->row_end);
     *output = (ss_output){0};
 }
 
@@ -108,27 +109,67 @@ static bool is_named(const char *path, const struct stat *open_file)
            found.st_ino == open_file->st_ino;
 }
 
-/* NAME.part, empty and held by this program; -1: *out_why says why not. */
-static int open_part(const char *path, const char **out_why)
+/* Opens and holds what stands at `path`; -1: *out_why says why not. */
+static int hold(const char *path, struct stat *out_found, const char **out_why)
 {
-    struct stat found;
     const int part = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     *out_why = NULL;
-    if (part < 0 || fstat(part, &found) != 0) {
+    if (part < 0 || fstat(part, out_found) != 0) {
         *out_why = ss_files_reason(errno);
-    } else if (!S_ISREG(found.st_mode)) {
+    } else if (!S_ISREG(out_found->st_mode)) {
         *out_why = "not a file; remove it, or give another name";
     } else if (flock(part, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         *out_why = "another program is recording to it; give another name";
-    } else if (!is_named(path, &found)) {
+    } else if (!is_named(path, out_found)) {
         *out_why = "another program has just ended recording to it; start again";
-    } else if (ftruncate(part, 0) != 0) {
-        *out_why = ss_files_reason(errno);
     }
     if (*out_why != NULL && part >= 0) {
         close(part);
     }
     return *out_why == NULL ? part : -1;
+}
+
+/* Gives the NAME.part that is held the first free of the names NAME.1.part, NAME.2.part, ... */
+static bool put_aside(ss_output *output)
+{
+    for (int number = 1; number < MAX_KEPT; ++number) {
+        if (asprintf(&output->kept, "%s.%d" SS_FILES_PART, output->path, number) < 0) {
+            output->kept = NULL;
+            errno = ENOMEM;
+            return false;
+        }
+        if (renameat2(AT_FDCWD, output->temporary, AT_FDCWD, output->kept, RENAME_NOREPLACE) == 0) {
+            return true;
+        }
+        const int reason = errno;
+        SS_EACH(free, output->kept);
+        output->kept = NULL;
+        if (reason != EEXIST) {
+            errno = reason;
+            return false;
+        }
+    }
+    return false;
+}
+
+/* NAME.part, empty and held by this program; -1: *out_why says why not. */
+static int open_part(ss_output *output, const char **out_why)
+{
+    struct stat found;
+    int part = hold(output->temporary, &found, out_why);
+    if (part >= 0 && found.st_size > 0) {
+        if (!put_aside(output)) {
+            *out_why = "left by a program that was killed, and cannot be renamed; move it away";
+        }
+        close(part);
+        part = *out_why == NULL ? hold(output->temporary, &found, out_why) : -1;
+        if (part >= 0 && found.st_size > 0) {
+            *out_why = "another program is recording to it; give another name";
+            close(part);
+            part = -1;
+        }
+    }
+    return part;
 }
 
 softsim_status ss_output_record(ss_output *output, const char *path, softsim_error *error)
@@ -144,8 +185,8 @@ softsim_status ss_output_record(ss_output *output, const char *path, softsim_err
     if (output->buffer == NULL || output->row_end == NULL) {
         return fail_open(output, SOFTSIM_ERROR_MEMORY, path, "out of memory", error);
     }
-    output->descriptor = output->temporary != NULL ? open_part(output->temporary, &why)
-                                                   : open_place(path, descriptor);
+    output->descriptor =
+        output->temporary != NULL ? open_part(output, &why) : open_place(path, descriptor);
     output->file = output->descriptor >= 0 ? fdopen(output->descriptor, "wb") : NULL;
     if (output->file == NULL) {
         const int number = errno;
@@ -164,9 +205,18 @@ softsim_status ss_output_record(ss_output *output, const char *path, softsim_err
     return SOFTSIM_OK;
 }
 
+void ss_output_tell_kept(const char *kept, const char *part, const char *program)
+{
+    if (kept != NULL) {
+        ss_plain_print(stderr, "%s: %s was left by a program that was killed; it is %s now\n",
+                       program, part, kept);
+    }
+}
+
 void ss_output_tell(const ss_output *output, const char *program)
 {
     if (output->file != NULL && output->temporary != NULL) {
+        ss_output_tell_kept(output->kept, output->temporary, program);
         ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
                        output->temporary, output->path);
     }

@@ -15,7 +15,8 @@
  * by a signal too, keeps the name NAME.part, which is said. On a full disk it is cut back to the
  * last whole row that found room, kept under the name NAME.part, and the fault names it. Writing to
  * NAME itself was rejected: a file of that name is then no longer a complete one. A NAME.part that
- * a killed program left is written over like NAME, one that is being written is refused.
+ * a killed program left is renamed to NAME.1.part (or the next free number), since the same command
+ * is often started again before anyone has looked; one that is being written is refused.
  *
  * Thread: one at a time.
  */
@@ -34,6 +35,7 @@ typedef struct ss_output {
 
     /* of a recording */
     bool is_recording;
+    char *kept;          /* what NAME.part was renamed to; NULL: there was none */
     char *buffer;        /* of `file`; given, because glibc ignores a size without one */
     int64_t whole_bytes; /* up to the end of the last flush */
     int32_t *row_end;    /* of the rows since, from there on */
@@ -48,7 +50,10 @@ softsim_status ss_output_record(ss_output *output, const char *path, softsim_err
 /* After each row of a recording: flushes when a second has passed or much has gathered. False once
  * a write has failed: nothing more can be recorded. True when not open. */
 bool ss_output_pace(ss_output *output);
-/* Says on stderr where the recording is until its end; nothing when not open or in place. */
+/* Says on stderr that `part`, which was left, is called `kept` now; nothing when that is NULL. */
+void ss_output_tell_kept(const char *kept, const char *part, const char *program);
+/* Says on stderr where the recording is until its end, and what became of an earlier one; nothing
+ * when not open or in place. */
 void ss_output_tell(const ss_output *output, const char *program);
 /* Flushes, syncs, renames. On any failure, also of an earlier write, a result is removed and a
  * recording kept and named. Does nothing when not open. */

@@ -212,8 +212,10 @@ static softsim_status open_all(const char *program, const options *o,
         ss_output_tell(&replay->csv, program);
     }
     if (replay->record != NULL) {
-        ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
-                       softsim_log_path(replay->record), o->record);
+        const char *part = softsim_log_path(replay->record);
+        ss_output_tell_kept(softsim_log_kept(replay->record), part, program);
+        ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program, part,
+                       o->record);
     }
     return SOFTSIM_OK;
 }

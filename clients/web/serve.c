@@ -24,6 +24,7 @@ enum {
     UNSENT = 16384, /* bytes for a browser that wait in the kernel */
     CHUNK = 16384,  /* bytes of a file at once */
     PATH_SIZE = 256,
+    COOKIES_SIZE = 4096,
     LOOK_TURNS = 64,
     REFUSED = 1 /* of callbacks: answered already */
 };
@@ -84,21 +85,40 @@ static void name_cookie(const ss_serve *serve, char out[32])
     (void)snprintf(out, 32, "softsim_%d", (int)ss_serve_port(serve));
 }
 
+/* The value of a cookie, empty where there is none. (The library's own way, 4.1.6, misses one whose
+ * value is shorter than its name.) */
+static void copy_cookie(struct lws *wsi, const char *name, char *out, size_t room)
+{
+    char all[COOKIES_SIZE] = "";
+    const size_t length = strlen(name);
+    out[0] = '\0';
+    if (lws_hdr_copy(wsi, all, sizeof all, WSI_TOKEN_HTTP_COOKIE) < 1) {
+        return;
+    }
+    char *at = all;
+    for (char *one = strtok_r(all, "; ", &at); one != NULL; one = strtok_r(NULL, "; ", &at)) {
+        if (strncmp(one, name, length) == 0 && one[length] == '=') {
+            (void)snprintf(out, room, "%s", one + length + 1);
+            return;
+        }
+    }
+}
+
 /* In the address, or in the cookie that the page came with: what it is made of, and recordings, are
  * asked for without an address of their own. */
 static bool has_token(const ss_serve *serve, struct lws *wsi)
 {
     char value[sizeof serve->token + 8] = "", name[32];
-    size_t size = sizeof value;
     if (serve->token[0] == '\0') {
         return true;
     }
     const char *given = lws_get_urlarg_by_name(wsi, "token=", value, sizeof value);
     if (given == NULL) {
         name_cookie(serve, name);
-        given = lws_http_cookie_get(wsi, name, value, &size) == 0 ? value : NULL;
+        copy_cookie(wsi, name, value, sizeof value);
+        given = value;
     }
-    return given != NULL && is_same(given, serve->token);
+    return is_same(given, serve->token);
 }
 
 /* No script reads it, no other page sends it. */
@@ -118,6 +138,10 @@ static bool is_own_name(const ss_serve *serve, const char *host)
 {
     const char *const names[] = {"localhost", "127.0.0.1", serve->host};
     const size_t length = strcspn(host, ":");
+    const char *port = host + length + (host[length] == ':');
+    if (port[strspn(port, "0123456789")] != '\0') {
+        return false;
+    }
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         if (strlen(names[i]) == length && strncmp(host, names[i], length) == 0) {
             return true;

@@ -82,11 +82,14 @@ bool softsim_log_decode_force(const void *data, int32_t size, softsim_force *out
 typedef struct softsim_log_writer softsim_log_writer;
 
 /* Writes to `path`.part, at least once a second and up to the end of a record, so that it can be
- * read whatever ends the program; the log appears at `path` when it is complete. */
+ * read whatever ends the program; the log appears at `path` when it is complete. A `path`.part that
+ * a killed program left is renamed to `path`.1.part, or the next free number. */
 softsim_status softsim_log_create(const char *path, softsim_log_writer **out_writer,
                                   softsim_error *error);
 /* The file that is written to until softsim_log_finish. */
 const char *softsim_log_path(const softsim_log_writer *writer);
+/* What a `path`.part of a killed program was renamed to; NULL: there was none. */
+const char *softsim_log_kept(const softsim_log_writer *writer);
 /* Append one record. A fault is kept and reported by softsim_log_finish; records after it are
  * dropped. */
 void softsim_log_write(softsim_log_writer *writer, int64_t utime_us, const char *channel,

@@ -208,6 +208,11 @@ bool ss_files_check(const ss_named_file *input, int32_t input_count, const ss_na
 {
     for (int32_t i = 0; i < output_count; ++i) {
         const ss_named_file *out = &output[i];
+        if (out->path != NULL && out->path[0] == '\0') {
+            softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT, "%s: the name is empty; give one",
+                              out->name);
+            return false;
+        }
         const char *why = out->path != NULL ? ss_files_why_no_output(out->path) : NULL;
         struct stat found;
         if (why != NULL && (stat(out->path, &found) != 0 || !S_ISDIR(found.st_mode))) {

@@ -740,6 +740,42 @@ TEST(a_pipe_of_the_shell_is_written_another_refused)
     assert_true(S_ISFIFO(found.st_mode));
 }
 
+/* The same command again, before anyone has looked: what a killed program left is kept, each time,
+ * and what is given up meanwhile takes its own alone along. */
+TEST(what_a_killed_program_left_is_kept)
+{
+    char path[512], kept[600], line[32];
+    snprintf(path, sizeof path, "%s", in_folder("again.csv"));
+    for (int run = 0; run < 3; ++run) {
+        softsim_error error = {.status = SOFTSIM_OK};
+        ss_output output;
+        assert_int_equal(ss_output_record(&output, path, &error), SOFTSIM_OK);
+        if (run == 0) {
+            assert_null(output.kept);
+        } else {
+            snprintf(kept, sizeof kept, "%s.%d.part", path, run);
+            assert_string_equal(output.kept, kept);
+            FILE *file = fopen(kept, "r");
+            assert_non_null(file);
+            assert_non_null(fgets(line, sizeof line, file));
+            assert_int_equal(atoi(line), run - 1);
+            fclose(file);
+        }
+        if (run == 2) {
+            ss_output_abandon(&output);
+        } else {
+            fprintf(output.file, "%d\n", run);
+            ss_output_keep(&output, &error); /* as far as a kill lets it come */
+        }
+    }
+    snprintf(kept, sizeof kept, "%s.part", path);
+    assert_int_equal(access(kept, F_OK), -1);
+    const ss_named_file unnamed = {"--csv", ""};
+    softsim_error error = {.status = SOFTSIM_OK};
+    assert_false(ss_files_check(NULL, 0, &unnamed, 1, &error));
+    assert_non_null(strstr(error.text, "the name is empty"));
+}
+
 int main(void)
 {
     return run_all_tests(make_folder, remove_folder);

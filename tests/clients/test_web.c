@@ -88,6 +88,23 @@ TEST_WITH(beyond_loopback_only_with_the_token, NULL, end_web)
     stop_web(0);
 }
 
+/* A token shorter than its cookie's name, where the cookie is the last that is sent, or is not. */
+TEST_WITH(a_short_token_is_known_by_its_cookie, NULL, end_web)
+{
+    static const char *const ends[] = {"", "; a=b"};
+    char cookie[80];
+    start_web("0.0.0.0", "8letters", NULL);
+    for (int k = 0; k < 2; ++k) {
+        snprintf(cookie, sizeof cookie, "Cookie: c=d; softsim_%d=8letters%s\r\n", port, ends[k]);
+        assert_int_equal(get("/app.js", cookie), 200);
+        snprintf(cookie, sizeof cookie, "Cookie: softsim_%d=8letter%s\r\n", port, ends[k]);
+        assert_int_equal(get("/app.js", cookie), 403);
+        snprintf(cookie, sizeof cookie, "Cookie: xsoftsim_%d=8letters%s\r\n", port, ends[k]);
+        assert_int_equal(get("/app.js", cookie), 403);
+    }
+    stop_web(0);
+}
+
 TEST_WITH(a_browser_sees_the_body_and_pushes_it, NULL, end_web)
 {
     start_web("127.0.0.1", NULL, NULL);

@@ -305,6 +305,7 @@ static softsim_status open_recording(ss_output *output, const char *path, const 
 {
     const softsim_status status = path ? ss_output_record(output, path, error) : SOFTSIM_OK;
     if (status == SOFTSIM_OK && path) {
+        ss_output_tell_kept(output->kept, output->temporary, "softsim-run");
         fputs(header, output->file);
     }
     return status;
