@@ -17,14 +17,21 @@ static inline void command(ss_world *world, const char *name)
     assert_int_equal(ss_world_command(world, name, "", &record, text, sizeof text), 0);
 }
 
-static inline void set_limit(ss_world *world, double limit_n)
+/* `argument` as the command takes it: KEY=VALUE. */
+static inline void set_live(ss_world *world, const char *argument)
 {
-    char argument[64], text[256];
     ss_command_record record;
-    (void)snprintf(argument, sizeof argument, "haptic.max_force_n=%.17g", limit_n);
+    char text[256];
     if (ss_world_command(world, "set", argument, &record, text, sizeof text) != 0) {
         fail_msg("%s", text);
     }
+}
+
+static inline void set_limit(ss_world *world, double limit_n)
+{
+    char argument[64];
+    (void)snprintf(argument, sizeof argument, "haptic.max_force_n=%.17g", limit_n);
+    set_live(world, argument);
 }
 
 static inline void begin_step(ss_world *world)
