@@ -2,21 +2,29 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 #include "models/sleep.h"
 /*
- * What counts as rest. With D the body's diagonal, h the step, x_q the nodes and F_q the mean force
- * on a tool in quarter q of a second, four quarters on end are still when
+ * What counts as rest. With D the body's diagonal, h the step, x_q the nodes as quarter q of a
+ * second begins, m_q their mean places and F_q the mean force on a tool in it, four quarters on end
+ * are still when
  *
- *   |x - x_q| <= d,  |v| <= max(1e-3 D / s, d / h)  in each of their steps,  d = 1e-4 D t_q / T,
- *   |F_q - F_1| <= f 3 t_q / T,  q = 2, 3, 4,
+ *   |x - x_q| <= d,  |v| <= max(1e-3 D / s, d / h)  in each of their steps,  d = 6.25e-6 D,
+ *   |m_q - m_1| <= w 3 t_q / T,  |F_q - F_1| <= f 3 t_q / T,  q = 2, 3, 4,  w = 1.5e-5 D,
  *
- * t_q = 0.25 s, T = 4 s. What creeps with a time constant of up to T is then within 1e-4 D, and its
+ * t_q = 0.25 s, T = 4 s. What creeps with a time constant of up to T is then within w, and its
  * force within f, of where it would come to rest for good; f is a thousandth of what is just
- * noticeable, which is 7 % of a force and at least 20 mN. The last digits of a force in floats
- * never rest: hence means of a quarter, whose change is looked at over three (from each to the
- * next, 4e-6 of a force, a block of 60 kPa stayed awake); within a quarter it may swing by 5 f:
- * more is a motion that no mean shows. Nor do light nodes rest, which tremble by 10 nm at some
- * kilohertz in rounded forces: hence d / h, less than which leaves no step's place by d. A guard
- * that acts in every step of the four quarters, while no tool moves, does not keep the body awake,
- * and its verdict is told on.
+ * noticeable, which is 7 % of a force and at least 20 mN. A place counts by the contact's own
+ * stiffness, which is what answers a swift press on tissue that is slow: asleep with 1e-4 D to go,
+ * a block answered the next press by 2e-3 of its largest force otherwise than awake. With an eighth
+ * of w, what a tool presses stayed awake for seconds where a solver's tolerance lets it wander.
+ * What creeps more slowly than T is stopped further from rest: blocks of 20 s were 2e-3 of the
+ * force of the next press from it.
+ *
+ * The last digits of a force in floats never rest: hence means of a quarter, whose change is looked
+ * at over three (from each to the next, 4e-6 of a force, a block of 60 kPa stayed awake); within a
+ * quarter it may swing by 5 f: more is a motion that no mean shows. Nor do nodes rest: light ones
+ * tremble by 10 nm at some kilohertz in rounded forces, all by 0.2 um where a solver stops at its
+ * tolerance: hence d, and d / h, less than which leaves no step's place by d. A guard that acts in
+ * every step of the four quarters, while no tool moves, does not keep the body awake, and its
+ * verdict is told on.
  *
  * Torques count as forces at the tool's bounding radius R. The stiffness that is told, which some
  * models find over seconds, is within 5e-3 of where it ends in the same way. A tool that touches or
@@ -30,15 +38,17 @@
 #include "rt/vec.h"
 
 enum { QUARTERS = 4 };
-#define QUARTER          0.25 /* s */
-#define CREEP_TIME       4.0  /* s, T */
-#define STILL_WAY        1e-4 /* of the diagonal */
-#define STILL_SPEED      1e-3 /* of the diagonal, 1/s */
-#define STILL_STIFFNESS  5e-3 /* of itself */
-#define MOST_SWING       5.0  /* times the still force, within a quarter */
-#define NOTICEABLE_SHARE 0.07 /* of the force */
-#define NOTICEABLE_FORCE 0.02 /* N */
-#define STILL_NOTICEABLE 1e-3 /* of what is just noticeable */
+#define QUARTER          0.25    /* s */
+#define CREEP_TIME       4.0     /* s, T */
+#define STILL_WAY        1.5e-5  /* of the diagonal, w */
+#define TREMBLE          6.25e-6 /* of the diagonal, d */
+#define AIR_WAY          1e-4    /* of the diagonal: of a tool that touches nothing */
+#define STILL_SPEED      1e-3    /* of the diagonal, 1/s */
+#define STILL_STIFFNESS  5e-3    /* of itself */
+#define MOST_SWING       5.0     /* times the still force, within a quarter */
+#define NOTICEABLE_SHARE 0.07    /* of the force */
+#define NOTICEABLE_FORCE 0.02    /* N */
+#define STILL_NOTICEABLE 1e-3    /* of what is just noticeable */
 /* Of a tool's way: what the stiffness that was told leaves unanswered, which the haptic loop
  * follows the tool with meanwhile. Nothing follows its turns. */
 #define UNANSWERED 0.1
@@ -73,6 +83,8 @@ struct ss_sleep {
     double step, diagonal;
     int32_t quarter; /* steps */
     ss_real *place;  /* displacements at the start of the quarter */
+    ss_real *sum;    /* from there, over the quarter; at its end the mean displacements */
+    ss_real *base;   /* mean displacements in the first still quarter */
     /* state */
     int32_t steps;           /* of this quarter, so far */
     int32_t quarters;        /* still, on end */
@@ -113,10 +125,14 @@ ss_sleep *ss_sleep_create(const ss_model_class *model_class, ss_model *model,
             sleep->tool[p].radius = ss_shape_bounding_radius(&plan->tool[p].shape);
         }
     }
-    sleep->place = ss_memory_get(4 * (size_t)shape.mesh->node_count, sizeof *sleep->place);
+    const size_t count = 4 * (size_t)shape.mesh->node_count;
+    sleep->place = ss_memory_get(3 * count, sizeof *sleep->place);
     if (sleep->place == NULL) {
         ss_sleep_destroy(&sleep);
+        return NULL;
     }
+    sleep->sum = sleep->place + count;
+    sleep->base = sleep->sum + count;
     return sleep;
 }
 
@@ -136,17 +152,11 @@ static double square4(const ss_real *v)
     return (double)(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* m: how far a node at rest goes in a quarter. */
-static double still_way(const ss_sleep *sleep)
-{
-    return STILL_WAY * sleep->diagonal * sleep->quarter * sleep->step / CREEP_TIME;
-}
-
 /* Is any node faster? Looks first at the one that was, so that a body that moves costs nothing. */
 static bool is_moving(ss_sleep *sleep)
 {
     const ss_real *v = sleep->model_class->velocity(sleep->model);
-    const double limit = fmax(STILL_SPEED * sleep->diagonal, still_way(sleep) / sleep->step);
+    const double limit = fmax(STILL_SPEED, TREMBLE / sleep->step) * sleep->diagonal;
     const double square = limit * limit;
     if (!(square4(v + 4 * (ptrdiff_t)sleep->moving) <= square)) {
         return true;
@@ -160,17 +170,46 @@ static bool is_moving(ss_sleep *sleep)
     return false;
 }
 
-/* Is any node further from where it was when this quarter began than one at rest goes in it? */
-static bool has_gone(const ss_sleep *sleep)
+static void begin_quarter(ss_sleep *sleep)
+{
+    const size_t size = 4 * (size_t)sleep->mesh->node_count * sizeof *sleep->place;
+    memcpy(sleep->place, sleep->model_class->displacement(sleep->model), size);
+    memset(sleep->sum, 0, size);
+}
+
+/* Is any node further from where it was when this quarter began than one that trembles? */
+static bool has_gone(ss_sleep *sleep)
 {
     const ss_real *u = sleep->model_class->displacement(sleep->model);
-    const double limit = still_way(sleep);
+    const double limit = TREMBLE * sleep->diagonal;
     const double square = limit * limit;
     bool is_any = false;
     for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)sleep->mesh->node_count && !is_any; at += 4) {
-        const ss_real way[3] = {u[at] - sleep->place[at], u[at + 1] - sleep->place[at + 1],
-                                u[at + 2] - sleep->place[at + 2]};
+        ss_real way[3];
+        for (int k = 0; k < 3; ++k) {
+            way[k] = u[at + k] - sleep->place[at + k];
+            sleep->sum[at + k] += way[k];
+        }
         is_any = !(square4(way) <= square);
+    }
+    return is_any;
+}
+
+/* At the end of a quarter: makes means of the sums; has any crept from the first still quarter's?
+ */
+static bool has_crept(ss_sleep *sleep)
+{
+    const double share = (QUARTERS - 1) * sleep->quarter * sleep->step / CREEP_TIME;
+    const double limit = share * STILL_WAY * sleep->diagonal;
+    const ss_real part = (ss_real)(1.0 / sleep->quarter);
+    bool is_any = false;
+    for (ptrdiff_t at = 0; at < 4 * (ptrdiff_t)sleep->mesh->node_count; at += 4) {
+        ss_real way[3];
+        for (int k = 0; k < 3; ++k) {
+            sleep->sum[at + k] = sleep->place[at + k] + part * sleep->sum[at + k];
+            way[k] = sleep->sum[at + k] - sleep->base[at + k];
+        }
+        is_any = is_any || !(square4(way) <= limit * limit);
     }
     return is_any;
 }
@@ -300,8 +339,8 @@ static bool is_tool_still(ss_sleep *sleep, int32_t p, const ss_model_tool *input
     double force[3], stiffest, apart[3];
     tool->stiffness = read_set(set, force, &stiffest);
     tool->is_near = set->count > 0 || ss_norm3(set->force) > 0.0;
-    tool->way = tool->is_near && stiffest > 0.0 ? still_force(force) / stiffest
-                                                : STILL_WAY * sleep->diagonal;
+    tool->way =
+        tool->is_near && stiffest > 0.0 ? still_force(force) / stiffest : AIR_WAY * sleep->diagonal;
     if (sleep->steps == 0) {
         tool->pose = input->from;
         ss_copy3(tool->first_force, force);
@@ -421,7 +460,7 @@ bool ss_sleep_has_tool(const ss_sleep *sleep)
 /* A quarter is over: returns how many are still on end. Nodes were looked at in each step. */
 static int32_t end_quarter(ss_sleep *sleep)
 {
-    bool is_still = sleep->quarters > 0;
+    bool is_still = !has_crept(sleep) && sleep->quarters > 0;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         ss_sleep_tool *tool = &sleep->tool[p];
         if (tool->is_present) {
@@ -431,13 +470,17 @@ static int32_t end_quarter(ss_sleep *sleep)
             ++tool->still;
         }
     }
-    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES && !is_still; ++p) {
+    if (is_still) {
+        return sleep->quarters + 1;
+    }
+    memcpy(sleep->base, sleep->sum, 4 * (size_t)sleep->mesh->node_count * sizeof *sleep->base);
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
         ss_sleep_tool *tool = &sleep->tool[p];
         ss_copy3(tool->base_force, tool->force);
         ss_copy3(tool->base_torque, tool->torque);
         tool->base_stiffness = tool->stiffness;
     }
-    return is_still ? sleep->quarters + 1 : 1;
+    return 1;
 }
 
 static void fall_asleep(ss_sleep *sleep, const ss_model_tool tool[SOFTSIM_MAX_PROBES],
@@ -468,8 +511,7 @@ void ss_sleep_watch(ss_sleep *sleep, double time, const ss_model_tool tool[SOFTS
         return;
     }
     if (sleep->steps == 0) {
-        memcpy(sleep->place, sleep->model_class->displacement(sleep->model),
-               4 * (size_t)sleep->mesh->node_count * sizeof *sleep->place);
+        begin_quarter(sleep);
     }
     if (++sleep->steps < sleep->quarter) {
         return;

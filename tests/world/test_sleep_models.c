@@ -2,7 +2,8 @@
 /* SPDX-FileCopyrightText: 2026 the softsim authors */
 /*
  * A body at rest sleeps, and nobody can feel it, whatever its model: on a block of each, what wakes
- * it that is no tool, and equal bits for all numbers of threads.
+ * it that is no tool, what creeps and must not be stopped, and equal bits for all numbers of
+ * threads.
  */
 #include "common/test.h"
 
@@ -59,6 +60,11 @@ static int make_folder_with(const int cells[3])
 static int make_folder_with_small_block(__attribute__((unused)) void **state)
 {
     return make_folder_with((const int[3]){6, 6, 3});
+}
+
+static int make_folder_with_coarse_block(__attribute__((unused)) void **state)
+{
+    return make_folder_with((const int[3]){4, 4, 3});
 }
 
 /* ---- loads, supports and commands ---- */
@@ -160,6 +166,65 @@ TEST_WITH(the_hash_after_sleep_is_the_same_for_any_number_of_threads, make_folde
             softsim_destroy(&world);
         }
         assert_true(hash[0] == hash[1]);
+    }
+}
+
+/* ---- what creeps ---- */
+
+/* Slow by damping. None so slow that it tells two presses of its own apart: a chain of
+ * capacitance_s 1, awake and pressed one tick later, answers by 5e-3 of the force otherwise. */
+typedef struct creep {
+    body body;
+    int still, away; /* ticks, in a short run: held, and let go; below 0: in a long run alone */
+} creep;
+#define CREEP(name, model, set, still, away)                                                       \
+    {                                                                                              \
+        {name, NULL, model, set, ON_BLOCK, 0.004}, still, away                                     \
+    }
+
+static const creep creeps[] = {
+    CREEP("fem", ELASTIC_OF("fem", "1500000"), NULL, 500, 20000),
+    CREEP("slow fem", ELASTIC_OF("fem", "3000000"), NULL, -1, -1),
+    CREEP("hybrid", ELASTIC_OF("hybrid", "500000") LAYER, HELD_IN_CORE, -1, -1),
+    CREEP("corotational", ELASTIC_OF("corotational", "30") "  stiffness_damping_s: 3\n", NULL, -1,
+          -1),
+    CREEP("xpbd", ELASTIC_OF("xpbd", "500000"), NULL, -1, -1),
+    CREEP("mass-spring", SPRINGS("50000"), NULL, -1, -1),
+    CREEP("cnn-energy", NETWORK("10000000"), NULL, -1, -1),
+    CREEP("cnn-energy, relaxing",
+          NETWORK("10000000") "  solver: relaxation\n  relaxation_steps: 1\n", NULL, 2000, 4000),
+    CREEP("cnn-chainmail", "  name: cnn-chainmail\n", NULL, 6000, 4000),
+    CREEP("cnn-chainmail, leaking", "  name: cnn-chainmail\n  leak_resistance: 200\n", NULL, -1,
+          -1),
+    CREEP("cnn-chainmail, slow", "  name: cnn-chainmail\n  capacitance_s: 0.1\n", NULL, -1, -1),
+    CREEP("fem-quadratic", ELASTIC_OF("fem-quadratic", "100000") "  material: neo-hookean\n", NULL,
+          -1, -1)};
+
+/* Pressed and held while it gives way, let go and left alone while it comes back, and pressed
+ * again: where it had come to, and what it was still doing, is what the awake one tells. */
+TEST_WITH(what_creeps_is_not_frozen, make_folder_with_coarse_block, remove_folder)
+{
+    SKIP_WHERE_REPEATED();
+    for (size_t i = 0; i < sizeof creeps / sizeof *creeps; ++i) {
+        const body *b = &creeps[i].body;
+        if (!FULL_IN_LONG_RUN(true, creeps[i].still > 0)) {
+            continue;
+        }
+        const int still = FULL_IN_LONG_RUN(60000, creeps[i].still);
+        const int away = FULL_IN_LONG_RUN(60000, creeps[i].away);
+        const part press[] = {{10, FAR_OUT, 0, 0, 0, false},
+                              {400, b->depth, 0, 0, 0, false},
+                              {still, b->depth, 0, 0, 0, false},
+                              {400, FAR_OUT, 0, 0, 0, false},
+                              {away, FAR_OUT, 0, 0, 0, false}};
+        const part again[] = {{1, FAR_OUT, 0, 0, 0, false},
+                              {400, b->depth, 0, 0, 0, false},
+                              {1000, b->depth, 0, 0, 0, false}};
+        pair p = open_pair(b, NULL, 0);
+        play(&p, b, press, 5);
+        assert_true(ss_sleep_is_asleep(ss_world_of(p.slept)->sleep));
+        play(&p, b, again, 3);
+        close_pair(&p, b->name);
     }
 }
 
