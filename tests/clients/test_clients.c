@@ -19,6 +19,7 @@
 #include "indentation.h"
 #include "net/codec.h"
 #include "output.h"
+#include "rt/files.h"
 #include "rt/random.h"
 #include "softsim/log.h"
 
