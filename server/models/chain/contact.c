@@ -343,7 +343,7 @@ void ss_chain_tools_apply(ss_model *model, double h)
         ss_tool *tool = &model->tools.tool[k];
         if (tool->is_present && tool->grasp.count > 0) {
             ss_grasp_fade(&tool->grasp, h);
-            (void)ss_grasp_accept_fade(&tool->grasp, true); /* what it let go of is lost */
+            (void)ss_grasp_accept_fade(&tool->grasp); /* what it let go of is lost */
         }
     }
 }

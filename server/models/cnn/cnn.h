@@ -125,8 +125,8 @@ typedef struct ss_cnn_tool {
     int32_t count;
     const int32_t *node;
     const double *weight;
-    int32_t *own_node;                /* those two, while there is a grasp, */
-    double *own_weight, *held_weight; /* and what it holds of each */
+    int32_t *own_node; /* those two, while there is a grasp */
+    double *own_weight;
     double *mu, *eps, *eta, *share;
     ss_cnn_contact_cell cell, cell_before;   /* one-cell sources; before: at the sub-step's start */
     double reference_before, penalty_before; /* at the sub-step's start */
@@ -311,9 +311,6 @@ const ss_real *ss_cnn_source_weight_forces(ss_model *model, ss_cnn_tool *tool);
 /* What the source's energy lost as psi_0 or held weights changed; what it gained is booked as work
  * and goes out of the motion again (spring.c). */
 void ss_cnn_source_book(ss_model *model, ss_cnn_source *source, double lost);
-/* After a sub-step in which grasps faded, and the preparation that follows: books what
- * their weights changed. */
-void ss_cnn_source_let_go(ss_model *model);
 /* The tool has left, or jumped: its next touch begins again. */
 void ss_cnn_source_end_contact(ss_cnn_tool *tool);
 /* What the tools' sources remember of their touch, put aside and put back around a sub-step. */
@@ -367,11 +364,14 @@ softsim_status ss_cnn_obstacle(ss_cnn_network *network, int32_t count, const int
 
 void ss_cnn_step(ss_model *model, double time, double dt,
                  const ss_model_tool tool[SOFTSIM_MAX_PROBES]);
+/* model->stiff and model->bound from the last evaluation. */
+void ss_cnn_set_bound(ss_model *model);
+
+/* ---- rk4.c ---- */
+
 /* The largest stable RK4 step for modes with damping rates d_min..d_max and frequencies up to
  * sqrt(omega2). Thread: any. */
 double ss_cnn_rk4_limit(double d_min, double d_max, double omega2);
-/* model->stiff and model->bound from the last evaluation. */
-void ss_cnn_set_bound(ss_model *model);
 
 /* ---- active_set.c: parts of a large body that need no step of their own ---- */
 

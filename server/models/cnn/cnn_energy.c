@@ -171,7 +171,7 @@ static softsim_status create_tool(ss_model *model, int index)
     ss_arena *arena = &model->arena;
     SS_ARENA_TAKE(arena, SS_ROOM(n, tool->mu), SS_ROOM(n, tool->fading_mu), SS_ROOM(n, tool->eps),
                   SS_ROOM(n, tool->eta), SS_ROOM(n, tool->share), SS_ROOM(n, tool->own_node),
-                  SS_ROOM(n, tool->own_weight), SS_ROOM(n, tool->held_weight));
+                  SS_ROOM(n, tool->own_weight));
     tool->shape_y = get_quads(model);
     tool->weight_slope = get_quads(model);
     const softsim_status status = ss_cnn_source_init(model, &tool->source);

@@ -55,36 +55,6 @@ enum { MAX_REJECTED = 40 };
 
 /* ---- the stable step ---- */
 
-/* Least |z| on the boundary of RK4's region of stability, |1 + z + z^2/2 + z^3/6 + z^4/24| = 1,
- * for arguments of z in 32 equal intervals from the imaginary to the negative real axis. */
-enum { ARCS = 32 };
-static const double rk4_radius[ARCS] = {
-    2.8284, 2.9087, 2.9499, 2.9431, 2.9040, 2.8482, 2.7840, 2.7217, 2.6707, 2.6360, 2.6185,
-    2.6156, 2.6164, 2.6270, 2.6471, 2.6738, 2.7044, 2.7361, 2.7667, 2.7943, 2.8175, 2.8353,
-    2.8472, 2.8530, 2.8482, 2.8393, 2.8279, 2.8155, 2.8036, 2.7939, 2.7875, 2.7853};
-/* cos of the angle from the negative real axis at the ends of the intervals: sin(k pi / 64). */
-static const double arc_cosine[ARCS + 1] = {
-    0.0,         0.049067674, 0.098017140, 0.146730474, 0.195090322, 0.242980180, 0.290284677,
-    0.336889853, 0.382683432, 0.427555093, 0.471396737, 0.514102744, 0.555570233, 0.595699304,
-    0.634393284, 0.671558955, 0.707106781, 0.740951125, 0.773010453, 0.803207531, 0.831469612,
-    0.857728610, 0.881921264, 0.903989293, 0.923879533, 0.941544065, 0.956940336, 0.970031253,
-    0.980785280, 0.989176510, 0.995184727, 0.998795456, 1.0};
-
-double ss_cnn_rk4_limit(double d_min, double d_max, double omega2)
-{
-    const double omega = sqrt(fmax(omega2, 0.0));
-    double limit = d_max > 0.0 ? rk4_radius[ARCS - 1] / d_max : (double)INFINITY;
-    for (int k = 0; k < ARCS && omega > 0.0; ++k) {
-        if (2.0 * omega * arc_cosine[k + 1] < d_min) {
-            continue; /* every mode is more damped than that */
-        }
-        const double highest =
-            k > 0 ? fmin(omega, d_max / (2.0 * arc_cosine[k])) : omega; /* mode at these angles */
-        limit = highest > 0.0 ? fmin(limit, rk4_radius[k] / highest) : limit;
-    }
-    return limit;
-}
-
 /* Adds to model->stiff and returns the strain term of one source. */
 static double add_source_stiffness(ss_model *model, const ss_cnn_source *source)
 {
@@ -554,13 +524,13 @@ static void take_loads(ss_model *model, double time)
     }
 }
 
-/* Everything again at the start of the step, after what a grasp holds changed; returns what that
+/* Everything again with the tools at `path`, after what a grasp holds changed; returns what that
  * took from the energy. */
-static double prepare_grasp(ss_model *model)
+static double prepare_grasp(ss_model *model, double path)
 {
     const double before = energy_balance(model);
     model->has_totals = false;
-    prepare(model, 0.0);
+    prepare(model, path);
     return before - energy_balance(model);
 }
 
@@ -570,14 +540,31 @@ static void take_grasp(ss_model *model, ss_cnn_tool *tool)
     ss_grasp *grasp = &tool->base->grasp;
     if (grasp->count > 0) { /* still letting go: what is left of it is lost at once */
         grasp->count = 0;
-        ss_cnn_source_book(model, &tool->source, prepare_grasp(model));
+        ss_cnn_source_book(model, &tool->source, prepare_grasp(model, 0.0));
     }
     ss_grasp_take(grasp, tool->count, tool->node, tool->weight,
                   SS_GRASP_STIFFNESS_RATIO * tool->base->stiffness,
                   (const double(*)[3])model->plan.mesh->position, model->u, &tool->base->pose);
     if (grasp->count > 0) {
         ss_grasp_stretch(grasp, ss_cnn_source_weight_forces(model, tool), &tool->base->pose);
-        model->work -= prepare_grasp(model);
+        model->work -= prepare_grasp(model, 0.0);
+    }
+}
+
+/* Grasps that were let go fade by `h` seconds' worth, tissue and tools at rest: what their springs
+ * and the weights of their cells take from the energy is then booked whole. */
+static void fade_grasps(ss_model *model, double path, double h)
+{
+    for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
+        ss_grasp *grasp = &model->tools.tool[k].grasp;
+        if (grasp->count == 0 || grasp->is_pressed) {
+            continue;
+        }
+        ss_grasp_fade(grasp, h);
+        const double springs = ss_grasp_accept_fade(grasp);
+        const double lost = prepare_grasp(model, path);
+        model->dissipated += springs;
+        ss_cnn_source_book(model, &model->tool[k].source, lost - springs);
     }
 }
 
@@ -625,7 +612,6 @@ static void take_back(ss_model *model, progress *p, const booked *before, double
     ++p->rejected;
     p->cap = (p->rejected < MAX_REJECTED / 2 ? 0.5 : 0.0625) * h;
     swap_states(model);
-    ss_tools_accept_fade(&model->tools, false, &model->dissipated);
     ss_cnn_source_restore(model);
     update_broad_phase(model, p->steps.path, p->steps.path);
     model->has_totals = false;
@@ -669,7 +655,6 @@ static bool try_substep(ss_model *model, progress *p)
     ss_cnn_source_keep(model);
     runge_kutta(model, h, p->steps.path, fraction);
     ++p->steps.taken_count;
-    ss_tools_fade(&model->tools, h);
     bool is_good = is_finite_state(model);
     double loads = 0.0, gain = 0.0;
     const double next = ss_substeps_next(&p->steps, fraction);
@@ -677,7 +662,6 @@ static bool try_substep(ss_model *model, progress *p)
         ss_cnn_prescribed_place(model, next, 0.0, 0.0);
         loads = ss_cnn_loads_work(model);
         prepare(model, next);
-        ss_cnn_source_let_go(model);
         model->dissipated += ss_tools_friction_loss(&model->tools);
         gain = energy_balance(model) - loads - balance;
         /* A gain that no hand feels is rounding, as under a tool that stands beside the body. */
@@ -694,11 +678,11 @@ static bool try_substep(ss_model *model, progress *p)
         }
         return p->rejected < MAX_REJECTED;
     }
-    ss_tools_accept_fade(&model->tools, true, &model->dissipated);
     (void)ss_tools_keep_friction(&model->tools);
     damp_gain(model, gain);
     model->work += loads;
     model->load_work += loads;
+    fade_grasps(model, next, h);
     ss_cnn_spring_settle(model, h);
     tell_loss(model, balance - energy_balance(model));
     if (model->relax) {

@@ -383,7 +383,7 @@ static bool substep(ss_body *body, ss_substeps *p)
     if (is_finite) {
         evaluate(body, next, !has_step_left(p));
         ss_tools_add_mean(&body->tools, (has_implicit_contact(body) ? 1.0 : 0.5) * averaged);
-        ss_tools_accept_fade(&body->tools, true, &body->dissipated);
+        body->dissipated += ss_tools_accept_fade(&body->tools);
         book_load(body, 0.5 * h * ss_body_prescribed_power(body));
         if (!has_implicit_contact(body)) {
             body->work += 0.5 * fraction * ss_tools_work(&body->tools);

@@ -90,12 +90,8 @@ void ss_grasp_fade(ss_grasp *grasp, double h)
     }
 }
 
-double ss_grasp_accept_fade(ss_grasp *grasp, bool is_accepted)
+double ss_grasp_accept_fade(ss_grasp *grasp)
 {
-    if (!is_accepted) {
-        grasp->fade = grasp->fade_before;
-        return 0.0;
-    }
     if (grasp->count == 0) {
         return 0.0;
     }

@@ -50,10 +50,10 @@ void ss_grasp_stretch(ss_grasp *grasp, const ss_real *force, const ss_tool_pose 
 void ss_grasp_add_forces(ss_grasp *grasp, const double (*rest)[3], const ss_real *u,
                          const ss_tool_pose *pose, ss_real *force, double tool_force[3],
                          double tool_torque[3]);
-/* A released grasp fades by `h` seconds' worth; accept_fade then returns the energy it lost (J), or
- * takes the fading back. */
+/* A released grasp fades by `h` seconds' worth; accept_fade then returns the energy it lost, of the
+ * springs as they were at the last evaluation (J). */
 void ss_grasp_fade(ss_grasp *grasp, double h);
-double ss_grasp_accept_fade(ss_grasp *grasp, bool is_accepted);
+double ss_grasp_accept_fade(ss_grasp *grasp);
 /* FNV-1a of what is state. */
 uint64_t ss_grasp_hash(const ss_grasp *grasp, uint64_t seed);
 

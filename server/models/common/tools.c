@@ -270,11 +270,13 @@ void ss_tools_fade(ss_tools *tools, double h)
     }
 }
 
-void ss_tools_accept_fade(ss_tools *tools, bool is_accepted, double *energy)
+double ss_tools_accept_fade(ss_tools *tools)
 {
+    double lost = 0.0;
     for (int k = 0; k < SOFTSIM_MAX_PROBES; ++k) {
-        *energy += ss_grasp_accept_fade(&tools->tool[k].grasp, is_accepted);
+        lost += ss_grasp_accept_fade(&tools->tool[k].grasp);
     }
+    return lost;
 }
 
 double ss_tools_keep_friction(ss_tools *tools)

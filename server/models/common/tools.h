@@ -104,10 +104,10 @@ void ss_tools_add_mean(ss_tools *tools, double span);
 double ss_tools_parts(const ss_tools *tools);
 /* The work of the tools for a whole step's way at the forces of the last evaluation, J. */
 double ss_tools_work(const ss_tools *tools);
-/* Grasps that were released fade by `h` seconds' worth; accept_fade then adds what they lost to
- * *energy (J), or takes it back. */
+/* Grasps that were released fade by `h` seconds' worth; accept_fade then returns what they lost, J.
+ */
 void ss_tools_fade(ss_tools *tools, double h);
-void ss_tools_accept_fade(ss_tools *tools, bool is_accepted, double *energy);
+double ss_tools_accept_fade(ss_tools *tools);
 
 /* The friction's anchors follow to the place of the last evaluation, as after each sub-step:
  * returns what was lost on the way, J. */

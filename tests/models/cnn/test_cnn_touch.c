@@ -507,6 +507,30 @@ TEST(a_grasp_starts_without_a_jump_and_lets_go_without_a_gain)
     setup_fini(&s);
 }
 
+/* Far from a tool that tissue under tension has left, all its weights go with the grasp, and the
+ * amplitude in the last few sub-steps. */
+TEST(a_grasp_that_lets_go_far_out_loses_nothing_unsaid)
+{
+    static const double dt = 1e-3;
+    setup s;
+    ss_model_tool tool[SOFTSIM_MAX_PROBES] = {{0}};
+    setup_plate(&s, 1, GRIP_RADIUS, 0.5);
+    create(&s);
+    press(&s, tool, 1, 0.0, GRIP_RADIUS, 0.004);
+    tool[0].is_grasping = true;
+    for (int n = 1; n <= 400; ++n) {
+        go(tool, 0.0, 0.0007, GRIP_RADIUS - 0.004 + 0.016 * n / 400.0);
+        step_tools(&s, dt, tool);
+    }
+    settle(&s, dt, tool, 200);
+    const double stored = info_of(&s).elastic, gained = energy_gain(&s);
+    tool[0].is_grasping = false;
+    settle(&s, dt, tool, 400);
+    assert_near(info_of(&s).elastic, 0.0, 1e-6 * stored);
+    assert_near(energy_gain(&s), gained, 5e-3 * stored);
+    setup_fini(&s);
+}
+
 TEST(a_grasp_that_is_taken_again_loses_nothing_unsaid)
 {
     setup s;
