@@ -71,6 +71,7 @@ typedef struct ss_hints_variant {
     bool is_plastic;     /* it keeps the shape that it was given */
     bool books_own_work; /* its work is not F.du of the file's nodes: what it does by itself is
                             booked (unloading), or loads rest on nodes of its own besides */
+    double own_time_s;   /* its slowest decay where that is not the material's; 0: it is */
     ss_hints_knob knob[SS_HINTS_MAX_KNOBS];
 } ss_hints_variant;
 

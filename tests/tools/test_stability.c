@@ -278,6 +278,18 @@ TEST(a_soft_body_owns_up_as_a_stiff_one_does)
     }
 }
 
+/* What is let go is watched until it can be back, also where a model's time is its own. */
+TEST(the_stiffest_body_is_back_when_it_is_asked_to_be)
+{
+    for (int32_t s = 0; s < ss_stress_case_subject_count(); ++s) {
+        const ss_stress_case_result r = run_of(s, SS_STRESS_CASE_STEP, 1e9, 0.5, 0);
+        if (!r.is_agreed) {
+            fail_msg("%s: found %u, %g of it is left", ss_stress_case_subject_name(s), r.found,
+                     r.recovery);
+        }
+    }
+}
+
 TEST(contradictions_are_refused_by_name)
 {
     const ss_stress_case_result r = run_of(0, SS_STRESS_CASE_CONTRADICTION, 1e4, 0.0, 2);

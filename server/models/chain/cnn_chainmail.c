@@ -285,10 +285,13 @@ static void write_organ(FILE *file, const ss_model_class *model, const ss_hints_
             setting->scale * setting->body->youngs_modulus * setting->body->size * 0.1);
 }
 
+/* Without capacitance_s cells answer in a time that follows the mesh alone: the report's specimen
+ * is back by a factor e in 5.6 ms. */
 static const ss_hints_variant variant = {
     .name = "cnn-chainmail",
     .text = "",
     .books_own_work = true,
+    .own_time_s = 6e-3,
     .knob = {{"link_stiffness_n_per_m", SS_KNOB_STIFFNESS, 200.0, 1.0}}};
 static const ss_model_hints hints = {
     .colour = "#5a9bd4",

@@ -6,9 +6,9 @@
  * through the product's own loader, checks, model and haptic tick, and audited from outside.
  *
  * Times scale with the body: tau, the slowest decay of its motion, is proportional to
- * 1 / sqrt(stiffness); loads are ramped in 2 tau, held to 4 tau, released, and the body is watched
- * to 10 tau, in at most SS_STRESS_CASE_MAX_TICKS ticks. The damping is about critical, so that what
- * recovers has recovered by then.
+ * 1 / sqrt(stiffness), and no less than a time of the model's own; loads are ramped in 2 tau, held
+ * to 4 tau, released, and the body is watched to 10 tau, in at most SS_STRESS_CASE_MAX_TICKS ticks.
+ * The damping is about critical, so that what recovers has recovered by then.
  *
  * A start cannot be set. A tangled one is reached in one step: random forces on half of the
  * surface's nodes from the first step on, released at 4 tau; or random prescribed places for them.
@@ -94,6 +94,8 @@ bool ss_stress_case_is_surface(int32_t subject);
 bool ss_stress_case_is_plastic(int32_t subject);
 /* Does it book what it does by itself as work, so that F.du is not all of it? */
 bool ss_stress_case_has_own_work(int32_t subject);
+/* The least tau, s: of a time that no stiffness shortens; 0: there is none. */
+double ss_stress_case_own_time(int32_t subject);
 /* Does the model have what the kind varies? */
 bool ss_stress_case_applies(int32_t subject, ss_stress_case_kind kind);
 

@@ -322,7 +322,8 @@ static void plan_kind(ss_stress_case_plan *plan)
 
 void ss_stress_case_plan_make(const ss_stress_case *trial, ss_stress_case_plan *out)
 {
-    const double tau = tau_10kpa_s * sqrt(1e4 / trial->stiffness_pa);
+    const double tau = fmax(tau_10kpa_s * sqrt(1e4 / trial->stiffness_pa),
+                            ss_stress_case_own_time(trial->subject));
     *out = (ss_stress_case_plan){.trial = trial,
                                  .drive = SS_STRESS_CASE_LOADS,
                                  .tau_s = tau,

@@ -98,6 +98,11 @@ bool ss_stress_case_has_own_work(int32_t index)
     return get(index).variant->books_own_work;
 }
 
+double ss_stress_case_own_time(int32_t index)
+{
+    return get(index).variant->own_time_s;
+}
+
 bool ss_stress_case_applies(int32_t index, ss_stress_case_kind kind)
 {
     const subject s = get(index);
