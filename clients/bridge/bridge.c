@@ -21,8 +21,8 @@ static const double usual_slew_n_per_s = 2000.0;        /* until it has told its
 static const int64_t away_ns = 250000000;               /* without a force: they have stopped */
 static const double withhold_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
 enum {
-    FIRST_FORCES = 100,  /* in which a start inside the tissue shows */
-    SEVERAL_FORCES = 100 /* that none comes late by: a server counts from its start */
+    FIRST_FORCES = 100, /* in which a start inside the tissue shows */
+    LATE_FORCES = 100   /* a force numbered lower by more is of a server that was started again */
 };
 
 #define COLUMNS "tick,x,y,z,vx,vy,vz,qx,qy,qz,fx,fy,fz,energy_in_j"
@@ -244,7 +244,7 @@ void ss_bridge_take_force(void *context, const softsim_force *force, int64_t rec
         return;
     }
     if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
-        if (force->seq < bridge->force_seq - SEVERAL_FORCES) {
+        if ((int64_t)bridge->force_seq - force->seq > LATE_FORCES) {
             forget_limits(bridge);
         }
         bridge->force_seq = force->seq;

@@ -75,11 +75,12 @@ typedef struct ss_bridge {
     bool is_served;   /* against a server, */
     bool wants_scene; /* whose limits are not known */
     bool has_sample;
-    ss_device_sample sample;         /* of the present tick */
-    double velocity[3];              /* device frame, below 50 Hz */
-    double device_force[3];          /* exerted since the last tick */
-    double applied_world[3];         /* the same, world axes */
-    int32_t answered_seq, force_seq; /* the newest pose answered; the force that came last */
+    ss_device_sample sample; /* of the present tick */
+    double velocity[3];      /* device frame, below 50 Hz */
+    double device_force[3];  /* exerted since the last tick */
+    double applied_world[3]; /* the same, world axes */
+    int32_t answered_seq;    /* of the newest pose that was answered */
+    int32_t force_seq;       /* of the force that came last */
     ss_indentation indentation;
     double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */

@@ -331,6 +331,7 @@ static int run(const char *program, const options *o, ss_frame *frame, softsim_e
         device.destroy(device.state);
         return SS_EXIT_BAD_INPUT;
     }
+    ss_output_tell_kept(csv.kept, csv.temporary, program);
     if (is_auto(o) && !place_above(program, o, frame, error)) {
         ss_args_print_error(program, error);
         device.destroy(device.state);

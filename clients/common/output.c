@@ -16,9 +16,11 @@
 #include "rt/files.h"
 #include "rt/plain.h"
 
-/* More than a second of rows at 1 kHz, and how many rows wait in it at most; how many that killed
- * programs left. */
-enum { RECORDING_BUFFER = 1 << 20, MAX_ROWS = 8192, MAX_KEPT = 1000 };
+enum {
+    RECORDING_BUFFER = 1 << 20, /* bytes: more than a second of rows at 1 kHz */
+    MAX_ROWS = 8192,            /* that wait in it */
+    MAX_KEPT = 1000             /* recordings of killed programs; then the name is refused */
+};
 static const int64_t flush_ns = 1000000000;
 
 static void forget(ss_output *output)
@@ -58,7 +60,7 @@ static softsim_status prepare(ss_output *output, const char *path, bool is_recor
 {
     *output = (ss_output){.path = strdup(path), .is_recording = is_recording};
     *out_descriptor = ss_files_descriptor(path);
-    const char *why = ss_files_why_no_output(path);
+    const char *why = path[0] == '\0' ? "the name is empty" : ss_files_why_no_output(path);
     if (why != NULL) {
         return fail_open(output, SOFTSIM_ERROR_FILE, path, why, error);
     }
@@ -109,17 +111,20 @@ static bool is_named(const char *path, const struct stat *open_file)
            found.st_ino == open_file->st_ino;
 }
 
-/* Opens and holds what stands at `path`; -1: *out_why says why not. */
+/* Opens and holds what stands at `path`, which nobody writes to from then on; -1: *out_why says why
+ * not. */
 static int hold(const char *path, struct stat *out_found, const char **out_why)
 {
     const int part = open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     *out_why = NULL;
-    if (part < 0 || fstat(part, out_found) != 0) {
+    if (part < 0) {
+        *out_why = ss_files_reason(errno);
+    } else if (flock(part, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        *out_why = "another program is recording to it; give another name";
+    } else if (fstat(part, out_found) != 0) {
         *out_why = ss_files_reason(errno);
     } else if (!S_ISREG(out_found->st_mode)) {
         *out_why = "not a file; remove it, or give another name";
-    } else if (flock(part, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-        *out_why = "another program is recording to it; give another name";
     } else if (!is_named(path, out_found)) {
         *out_why = "another program has just ended recording to it; start again";
     }
@@ -129,47 +134,54 @@ static int hold(const char *path, struct stat *out_found, const char **out_why)
     return *out_why == NULL ? part : -1;
 }
 
-/* Gives the NAME.part that is held the first free of the names NAME.1.part, NAME.2.part, ... */
-static bool put_aside(ss_output *output)
+/* As rename, but never over another file; false with errno set. */
+static bool rename_to_free(const char *from, const char *to)
 {
-    for (int number = 1; number < MAX_KEPT; ++number) {
+    if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0) {
+        return true;
+    }
+    /* Some file systems do not know that flag. */
+    return errno == EINVAL && link(from, to) == 0 && unlink(from) == 0;
+}
+
+/* Gives the NAME.part that is held the first free of the names NAME.1.part, NAME.2.part, ...; says
+ * why not, else NULL. */
+static const char *put_aside(ss_output *output)
+{
+    for (int number = 1; number <= MAX_KEPT; ++number) {
         if (asprintf(&output->kept, "%s.%d" SS_FILES_PART, output->path, number) < 0) {
             output->kept = NULL;
-            errno = ENOMEM;
-            return false;
+            return "out of memory";
         }
-        if (renameat2(AT_FDCWD, output->temporary, AT_FDCWD, output->kept, RENAME_NOREPLACE) == 0) {
-            return true;
+        if (rename_to_free(output->temporary, output->kept)) {
+            return NULL;
         }
         const int reason = errno;
-        SS_EACH(free, output->kept);
+        free(output->kept);
         output->kept = NULL;
         if (reason != EEXIST) {
-            errno = reason;
-            return false;
+            return ss_files_reason(reason);
         }
     }
-    return false;
+    return "left by a program that was killed, as a thousand others; move them away";
 }
 
 /* NAME.part, empty and held by this program; -1: *out_why says why not. */
 static int open_part(ss_output *output, const char **out_why)
 {
     struct stat found;
-    int part = hold(output->temporary, &found, out_why);
-    if (part >= 0 && found.st_size > 0) {
-        if (!put_aside(output)) {
-            *out_why = "left by a program that was killed, and cannot be renamed; move it away";
-        }
-        close(part);
-        part = *out_why == NULL ? hold(output->temporary, &found, out_why) : -1;
-        if (part >= 0 && found.st_size > 0) {
-            *out_why = "another program is recording to it; give another name";
-            close(part);
-            part = -1;
-        }
+    const int left = hold(output->temporary, &found, out_why);
+    if (left < 0 || found.st_size == 0) {
+        return left;
     }
-    return part;
+    *out_why = put_aside(output);
+    close(left);
+    const int part = *out_why == NULL ? hold(output->temporary, &found, out_why) : -1;
+    if (part >= 0 && found.st_size > 0) {
+        *out_why = "another program has just left a recording there; start again";
+        close(part);
+    }
+    return *out_why == NULL ? part : -1;
 }
 
 softsim_status ss_output_record(ss_output *output, const char *path, softsim_error *error)
@@ -216,7 +228,6 @@ void ss_output_tell_kept(const char *kept, const char *part, const char *program
 void ss_output_tell(const ss_output *output, const char *program)
 {
     if (output->file != NULL && output->temporary != NULL) {
-        ss_output_tell_kept(output->kept, output->temporary, program);
         ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
                        output->temporary, output->path);
     }

@@ -50,10 +50,10 @@ softsim_status ss_output_record(ss_output *output, const char *path, softsim_err
 /* After each row of a recording: flushes when a second has passed or much has gathered. False once
  * a write has failed: nothing more can be recorded. True when not open. */
 bool ss_output_pace(ss_output *output);
-/* Says on stderr that `part`, which was left, is called `kept` now; nothing when that is NULL. */
+/* Says on stderr that `part`, which was left, is called `kept` now; nothing when that is NULL.
+ * Right after the opening: it is so whatever comes of the program. */
 void ss_output_tell_kept(const char *kept, const char *part, const char *program);
-/* Says on stderr where the recording is until its end, and what became of an earlier one; nothing
- * when not open or in place. */
+/* Says on stderr where the recording is until its end; nothing when not open or in place. */
 void ss_output_tell(const ss_output *output, const char *program);
 /* Flushes, syncs, renames. On any failure, also of an earlier write, a result is removed and a
  * recording kept and named. Does nothing when not open. */

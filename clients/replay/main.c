@@ -112,6 +112,11 @@ static survey look_through(const char *program, const char *path, softsim_poses 
     return found;
 }
 
+static void tell_kept_log(const char *program, const softsim_log_writer *writer)
+{
+    ss_output_tell_kept(softsim_log_kept(writer), softsim_log_path(writer), program);
+}
+
 /* Writes the poses as a log: times from 0, sender 1, so that equal input gives equal bytes. */
 static int convert(const char *program, const options *o, softsim_poses *poses)
 {
@@ -121,6 +126,7 @@ static int convert(const char *program, const options *o, softsim_poses *poses)
         ss_args_print_error(program, &error);
         return SS_EXIT_BAD_INPUT;
     }
+    tell_kept_log(program, writer);
     const char *prefix = o->prefix != NULL ? o->prefix : SOFTSIM_DEFAULT_PREFIX;
     softsim_pose_event event;
     char note[256];
@@ -195,8 +201,12 @@ static softsim_status open_all(const char *program, const options *o,
     if (o->record != NULL) {
         status = softsim_log_create(o->record, &replay->record, error);
     }
+    if (replay->record != NULL) {
+        tell_kept_log(program, replay->record);
+    }
     if (status == SOFTSIM_OK && o->csv != NULL) {
         status = ss_output_record(&replay->csv, o->csv, error);
+        ss_output_tell_kept(replay->csv.kept, replay->csv.temporary, program);
     }
     if (status == SOFTSIM_OK) {
         status = softsim_client_open(config, &replay->client, error);
@@ -212,10 +222,8 @@ static softsim_status open_all(const char *program, const options *o,
         ss_output_tell(&replay->csv, program);
     }
     if (replay->record != NULL) {
-        const char *part = softsim_log_path(replay->record);
-        ss_output_tell_kept(softsim_log_kept(replay->record), part, program);
-        ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program, part,
-                       o->record);
+        ss_plain_print(stderr, "%s: recording to %s; at the end it becomes %s\n", program,
+                       softsim_log_path(replay->record), o->record);
     }
     return SOFTSIM_OK;
 }

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 
 #include "rt/memory.h"
 #include "softsim/client.h"
@@ -24,9 +25,10 @@ enum {
     UNSENT = 16384, /* bytes for a browser that wait in the kernel */
     CHUNK = 16384,  /* bytes of a file at once */
     PATH_SIZE = 256,
-    COOKIES_SIZE = 4096,
-    LOOK_TURNS = 64,
-    REFUSED = 1 /* of callbacks: answered already */
+    COOKIES_SIZE = 4096, /* as much as the library takes of a header */
+    LOOK_TURNS = 16,     /* of the library, from one look at what is unread to the next, */
+    LOOK_NS = 4000000,   /* and how long these take at least */
+    REFUSED = 1          /* of callbacks: answered already */
 };
 
 typedef struct browser browser;
@@ -35,7 +37,7 @@ typedef struct browser browser;
 typedef struct guest {
     struct lws *wsi;
     int64_t seen_ns; /* when it last got on */
-    bool is_unread;  /* what it sent, since the last look */
+    bool is_unread;  /* had bytes, or its end, waiting at the last look */
 } guest;
 
 struct ss_serve {
@@ -50,7 +52,8 @@ struct ss_serve {
     atomic_bool is_news;
     guest guests[CONNECTIONS];
     int32_t guest_count;
-    int32_t turns; /* of the library, since the last look at them */
+    int32_t turns;     /* of the library, since the last look at them, */
+    int64_t looked_ns; /* which was then */
 };
 
 /* Of one connection; zero at first. */
@@ -209,11 +212,11 @@ static guest *longest_idle(ss_serve *serve)
     return idle;
 }
 
-/* Has it said something that was not looked at yet? */
-static bool has_spoken(struct lws *wsi)
+/* What waits to be read of it: bytes (1), its end (0), or nothing (-1). */
+static int look_at(struct lws *wsi)
 {
     char byte = 0;
-    return recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+    return (int)recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
 }
 
 /* The first time it is said goodbye to, and would have ten seconds to answer. One that is closing
@@ -238,7 +241,7 @@ static void make_room(ss_serve *serve)
     }
     for (int32_t k = 0; k < serve->guest_count && serve->guest_count >= GUESTS; ++k) {
         struct lws *idle = longest_idle(serve)->wsi;
-        if (has_spoken(idle)) {
+        if (look_at(idle) > 0) {
             note_guest(serve, idle);
         } else {
             send_away(serve, idle);
@@ -251,23 +254,28 @@ static void make_room(ss_serve *serve)
 
 /* While the library (4.1.6) waits for the end of a connection it does not read what comes on it,
  * nor sleeps: it would take the whole of a core for five seconds. One that stays unread for so many
- * of its turns goes at once. */
+ * of its turns goes at once. Nor does it sleep while requests that it has read wait behind a file
+ * that its asker does not take: it gets so many turns in LOOK_NS, and waits for the rest of that.
+ */
 static void end_unread(ss_serve *serve)
 {
     if (++serve->turns < LOOK_TURNS) {
         return;
     }
-    serve->turns = 0;
     for (int32_t i = serve->guest_count - 1; i >= 0; --i) {
-        char byte = 0;
         guest *known = &serve->guests[i];
         const bool was_unread = known->is_unread;
-        known->is_unread =
-            recv(lws_get_socket_fd(known->wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) >= 0;
+        known->is_unread = look_at(known->wsi) >= 0;
         if (was_unread && known->is_unread) {
             send_away(serve, known->wsi);
         }
     }
+    const int64_t left_ns = serve->looked_ns + LOOK_NS - softsim_client_now_ns();
+    if (left_ns > 0) {
+        nanosleep(&(struct timespec){.tv_nsec = left_ns}, NULL);
+    }
+    serve->turns = 0;
+    serve->looked_ns = softsim_client_now_ns();
 }
 
 static void add_guest(ss_serve *serve, struct lws *wsi)
@@ -280,8 +288,8 @@ static void add_guest(ss_serve *serve, struct lws *wsi)
 
 /* ---- files ---- */
 
-/* And closes: of requests that have come behind one that was refused the library (4.1.6) loses
- * count, and goes round without sleeping. */
+/* And closes, which the library has no way to say in the head: of requests that have come behind
+ * one that was refused it (4.1.6) loses count, and goes round without sleeping. */
 static int refuse(struct lws *wsi, unsigned code)
 {
     (void)lws_return_http_status(wsi, code, NULL);

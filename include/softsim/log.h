@@ -88,7 +88,8 @@ softsim_status softsim_log_create(const char *path, softsim_log_writer **out_wri
                                   softsim_error *error);
 /* The file that is written to until softsim_log_finish. */
 const char *softsim_log_path(const softsim_log_writer *writer);
-/* What a `path`.part of a killed program was renamed to; NULL: there was none. */
+/* What a `path`.part of a killed program was renamed to; NULL: there was none. Valid until the
+ * writer is finished, kept or abandoned. */
 const char *softsim_log_kept(const softsim_log_writer *writer);
 /* Append one record. A fault is kept and reported by softsim_log_finish; records after it are
  * dropped. */

@@ -11,12 +11,12 @@
  *
  * t_q = 0.25 s, T = 4 s. What creeps with a time constant of up to T is then within w, and its
  * force within f, of where it would come to rest for good; f is a thousandth of what is just
- * noticeable, which is 7 % of a force and at least 20 mN. A place counts by the contact's own
- * stiffness, which is what answers a swift press on tissue that is slow: asleep with 1e-4 D to go,
- * a block answered the next press by 2e-3 of its largest force otherwise than awake. With an eighth
- * of w, what a tool presses stayed awake for seconds where a solver's tolerance lets it wander.
- * What creeps more slowly than T is stopped further from rest: blocks of 20 s were 2e-3 of the
- * force of the next press from it.
+ * noticeable, which is 7 % of a force and at least 20 mN. A swift press on slow
+ * tissue is answered by the contact's own stiffness, so places count: put to sleep with 1e-4 D to
+ * go, a block's next press differed from the run without sleep by 2e-3 of the largest force. With
+ * an eighth of w, what a tool presses stayed awake for seconds where a solver's tolerance lets it
+ * wander. Creep slower than T is cut short: for time constants of 20 s the next press differed by
+ * 2e-3.
  *
  * The last digits of a force in floats never rest: hence means of a quarter, whose change is looked
  * at over three (from each to the next, 4e-6 of a force, a block of 60 kPa stayed awake); within a

@@ -771,10 +771,17 @@ TEST(what_a_killed_program_left_is_kept)
     }
     snprintf(kept, sizeof kept, "%s.part", path);
     assert_int_equal(access(kept, F_OK), -1);
+}
+
+TEST(an_output_has_a_name)
+{
     const ss_named_file unnamed = {"--csv", ""};
     softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log_writer *writer = NULL;
     assert_false(ss_files_check(NULL, 0, &unnamed, 1, &error));
     assert_non_null(strstr(error.text, "the name is empty"));
+    assert_int_equal(softsim_log_create("", &writer, &error), SOFTSIM_ERROR_FILE);
+    assert_null(writer);
 }
 
 int main(void)

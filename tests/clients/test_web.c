@@ -59,6 +59,7 @@ TEST_WITH(another_address_of_loopback_is_its_own_name, NULL, end_elsewhere)
     assert_int_equal(status, 101);
     snprintf(line, sizeof line, "GET / HTTP/1.1\r\nHost: localhost:%d\r\n\r\n", port);
     assert_int_equal(ask(line), 200);
+    assert_int_equal(ask("GET / HTTP/1.1\r\nHost: localhost:8x\r\n\r\n"), 403);
     assert_int_equal(ask("GET / HTTP/1.1\r\nHost: 127.0.0.3\r\n\r\n"), 403);
     assert_int_equal(ask("GET / HTTP/1.1\r\nHost: 127.0.0.22\r\n\r\n"), 403);
     assert_int_equal(ask("GET / HTTP/1.1\r\nHost: attacker.example\r\n\r\n"), 403);

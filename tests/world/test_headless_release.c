@@ -194,7 +194,7 @@ TEST(a_hand_that_moves_lets_go_of_the_tissue)
 {
     SKIP_WHERE_REPEATED();
     static const row moving[] = {{&kidney, &plate, 1000.0, false}, {&kidney, &plate, 100.0, false}};
-    for (int k = 0; k < FULL_IN_LONG_RUN(2, 1); ++k) {
+    for (size_t k = 0; k < FULL_IN_LONG_RUN(sizeof moving / sizeof *moving, 1); ++k) {
         softsim_world *world = make(&moving[k]);
         felt held = {0}, most = {0};
         for (int n = 0; n < TICKS; ++n) {

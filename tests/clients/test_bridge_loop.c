@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/* The bridge's loop without a network: what it exerts, and whose limits it holds. */
+#include "common/test.h"
+
+#include <math.h>
+
+#include "bridge.h"
+#include "common/number_fixture.h"
+#include "rt/vec.h"
+
+/* A device that goes 5 mm into the tissue and out again at 0.3 m/s. */
+typedef struct stroke {
+    int tick;
+    double most, least; /* N: of what was exerted */
+} stroke;
+
+static bool read_stroke(void *state, ss_device_sample *out_sample)
+{
+    const stroke *s = state;
+    const double way = 0.3e-3 * s->tick, depth = way < 5e-3 ? way : 10e-3 - way;
+    *out_sample = (ss_device_sample){.position = {0.0, 0.0, -depth},
+                                     .orientation = {1.0, 0.0, 0.0, 0.0},
+                                     .true_position = {0.0, 0.0, -depth},
+                                     .true_velocity = {NAN, NAN, NAN}};
+    return depth > -2e-3;
+}
+
+static void exert_stroke(void *state, const double force[3])
+{
+    stroke *s = state;
+    ++s->tick;
+    s->most = fmax(s->most, ss_norm3(force));
+    s->least = fmin(s->least, force[2]);
+}
+
+/* 200 N/m: 1 N at 5 mm, and 6 N by damping. */
+TEST(the_bridge_s_own_damping_stays_within_the_limit_and_does_not_pull)
+{
+    static ss_bridge bridge;
+    stroke done = {0};
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_frame frame;
+    const ss_device device = {.state = &done,
+                              .period_s = 1e-3,
+                              .max_exerted_n = 10.0,
+                              .read = read_stroke,
+                              .exert = exert_stroke};
+    const ss_bridge_config config = {.tick_count = 100, .damping_n_s_per_m = 20.0};
+    ss_frame_init(&frame, "x,y,z", "0,0,0", 1.0, 0.5, &error);
+    assert_int_equal(ss_bridge_init(&bridge, &config, &frame, &device, &error), SOFTSIM_OK);
+    bridge.corrector.limits = (ss_corrector_limits){1.2, INFINITY};
+    ss_bridge_run_linear(&bridge, 200.0, 0);
+    ss_bridge_fini(&bridge);
+    assert_near(done.most, 0.6, 1e-12); /* half of it at the device: the scale */
+    assert_near(done.least, 0.0, 0.0);
+}
+
+/* A server that counts its forces from 1 again may be another one. */
+TEST(limits_are_forgotten_when_a_server_starts_again)
+{
+    static const int32_t seqs[] = {5000, 5001, 4990, 5002, 1, 2, INT32_MIN, 1};
+    static const bool are_anew[] = {false, false, false, false, true, false, true, false};
+    static ss_bridge bridge;
+    const ss_device device = {.period_s = 1e-3};
+    const ss_bridge_config config = {.tick_count = 100};
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_frame frame;
+    ss_frame_init(&frame, "x,y,z", "0,0,0", 1.0, 1.0, &error);
+    assert_int_equal(ss_bridge_init(&bridge, &config, &frame, &device, &error), SOFTSIM_OK);
+    for (size_t i = 0; i < sizeof seqs / sizeof *seqs; ++i) {
+        const softsim_force force = {.seq = seqs[i], .pose_seq = 1};
+        bridge.wants_scene = false;
+        bridge.corrector.limits.force_n = 8.0;
+        ss_bridge_take_force(&bridge, &force, 1000000LL * (int64_t)(i + 1));
+        assert_int_equal(bridge.wants_scene, are_anew[i]);
+        assert_near(bridge.corrector.limits.force_n, are_anew[i] ? 0.0 : 8.0, 0.0);
+    }
+    ss_bridge_fini(&bridge);
+}
+
+int main(void)
+{
+    return run_all_tests(NULL, NULL);
+}
