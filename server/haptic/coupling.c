@@ -38,6 +38,13 @@
  * surface nearest to the hand at once. Below the centre of curvature (16 mm in a kidney) the
  * nearest surface point is not unique: the direction turned by 30 to 90 degrees a tick.
  *
+ * In a grasp it is softened all ways nevertheless, s K (p - p_f) = G: what is held is drawn back to
+ * one place whichever way, the nearest point is unique, and the force turns as the hand goes round
+ * that place, as without a limit. A spring that is stiff across e drags the proxy by dx, the hand's
+ * way in the tick, and turns the force by k' dx / L (a kidney, k' = 1 kN/m, .2 N, .1 m/s: half a
+ * radian). e follows a tick late, the line along it misses the places where |G| = L, and the tissue
+ * answers later still: the force went to and fro by up to 90 degrees, every few ticks.
+ *
  * K_c yields only as much as stability needs: 1/K_c = max(1/20000, 1/K_max - 1/k), hence the felt
  * stiffness K_c k/(K_c + k) is min(k, K_max), nearly.
  *
@@ -336,7 +343,7 @@ int ss_coupling_balance(const ss_balance *balance, ss_rest *out_rest)
             ss_copy3(axis, balance->axis);
         }
         (void)ss_normalize3(axis);
-        bool is_soft = soften(balance, axis, false, d, out_rest, &passes);
+        bool is_soft = !balance->is_held && soften(balance, axis, false, d, out_rest, &passes);
         if (!is_soft) {
             *out_rest = stiff;
             ss_copy3(d, start);

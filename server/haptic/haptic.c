@@ -22,8 +22,9 @@
 
 enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS };
 
-#define STOP_TIME 0.005 /* s: of a proxy whose grasp is let go */
-#define STAYED_M  0.01  /* a device that returns nearer than that to where it was has stayed */
+#define STOP_TIME       0.005 /* s: of a proxy whose grasp is let go */
+#define LEAST_STIFFNESS 1e-6  /* N/m: of a grasp without contacts */
+#define STAYED_M        0.01 /* a device that returns nearer than that to where it was has stayed */
 
 /* ---- poses ---- */
 
@@ -205,6 +206,31 @@ static void enter_from_surface(ss_haptic *haptic, int64_t tick, const double poi
     ++haptic->entries;
 }
 
+/* Takes hold; at the limit so that the force stays. It does where the proxy's step w leaves the
+ * grasp's law, stiffness S and viscosity V, what it is: S w + V (w/T - pdot) = 0. */
+static void begin_grasp(ss_haptic *haptic, const double x[3], const double v[3])
+{
+    const ss_local_contact_grasp *grasp = &haptic->local.grasp;
+    const double period = haptic->config.period;
+    double law[3][3], drag[3], step[3], stretch[3];
+    ss_local_contact_hold(&haptic->local, haptic->p, haptic->pdot);
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+            law[r][c] = grasp->stiffness[r][c] + grasp->viscosity[r][c] / period;
+        }
+        law[r][r] += LEAST_STIFFNESS;
+        drag[r] = ss_dot3(grasp->viscosity[r], haptic->pdot);
+    }
+    ss_cholesky_solve3(law, drag, step);
+    for (int i = 0; i < 3; ++i) {
+        const double damper = haptic->config.damping * (v[i] - step[i] / period);
+        const double pull = damper + haptic->local.residual[i];
+        stretch[i] =
+            haptic->p[i] + step[i] - x[i] - haptic->yield.rest[i] - pull / haptic->yield.spring;
+    }
+    ss_slip_hold(&haptic->slip, stretch, grasp->force);
+}
+
 /* A result for where the proxy is now: the local contact model, and entry if it is the first. What
  * is held moves with the tool: its surface is no place to be let in from. */
 static void use_result(ss_haptic *haptic, const ss_simulation_result *result, int64_t tick)
@@ -215,7 +241,7 @@ static void use_result(ss_haptic *haptic, const ss_simulation_result *result, in
     used_pose(haptic, x, v);
     patch_pose(haptic, x, at);
     if (!is_first && haptic->is_pressed && result->set.is_held && !local->grasp.is_held) {
-        ss_local_contact_hold(local, haptic->p, haptic->pdot);
+        begin_grasp(haptic, x, v);
     }
     ss_local_contact_take(local, result, &haptic->config, tick, haptic->yield.spring,
                           ss_haptic_held_pose(haptic)->orientation, at, haptic->p, haptic->pdot,
@@ -271,7 +297,7 @@ static bool take_result(ss_haptic *haptic, const ss_haptic_input *input)
  * feels what they say, and the proxy stays where it is: moved to the hand it would drag the nodes
  * that the model still holds, with all that the coupling has stored. */
 static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool is_fresh,
-                         const double x[3])
+                         const double x[3], const double v[3])
 {
     ss_local_contact *local = &haptic->local;
     const bool was_held = local->grasp.is_held;
@@ -283,7 +309,7 @@ static void update_grasp(ss_haptic *haptic, const ss_haptic_input *input, bool i
         ss_local_contact_release(local, at, haptic->p, haptic->pdot, haptic->slip.limit);
     } else if (!was_held && haptic->is_pressed && input->tick == haptic->press_tick &&
                ss_local_contact_active_count(local) > 0) {
-        ss_local_contact_hold(local, haptic->p, haptic->pdot);
+        begin_grasp(haptic, x, v);
     }
     const bool is_torn = is_fresh ? input->result->set.is_torn
                                   : local->grasp.is_ending && input->tick != haptic->press_tick;
@@ -630,7 +656,7 @@ void ss_haptic_tick(ss_haptic *haptic, const ss_haptic_input *input, ss_haptic_o
         ss_local_contact_turn(&haptic->local, ss_haptic_held_pose(haptic)->orientation);
         const bool is_fresh = take_result(haptic, input);
         used_pose(haptic, x, v);
-        update_grasp(haptic, input, is_fresh, x);
+        update_grasp(haptic, input, is_fresh, x, v);
         update_spring(haptic);
         update_limit(haptic, tick);
         const bool is_limited = balance_proxy(haptic, tick, x, v, undamped_whole, whole);

@@ -350,6 +350,10 @@ bool ss_slip_follow(ss_slip *slip, const ss_haptic_config *config, double step, 
  * turns from `last`, that of the tick before, by 13 rad/s at most, and more where the hand moved:
  * `way`, m, in this tick. True where that held it back. */
 bool ss_slip_turn(ss_slip *slip, const double last[3], double way, double period, double force[3]);
+/* A grasp takes hold: at the limit `aside` becomes what lies across the grasp's `force` of
+ * `stretch`, from the hand to the proxy (m, without what pulls at the proxy beside spring and
+ * grasp), so that the force keeps its direction. */
+void ss_slip_hold(ss_slip *slip, const double stretch[3], const double force[3]);
 /* s: until a hand with velocity v comes out of the limit; INFINITY where it does not, or is not
  * there. */
 double ss_slip_time_left(const ss_slip *slip, const double v[3]);

@@ -134,9 +134,13 @@ void ss_haptic_write_target(ss_haptic *haptic, const ss_haptic_input *input, con
     /* Where the coupling yields to the limit the hand sinks in without the proxy. */
     const double *out = haptic->slip.direction;
     const double fraction = haptic->slip.stiffness_fraction;
-    const double led =
-        fraction * (1.0 - ss_haptic_felt_stiffness(haptic, out) / haptic->yield.spring);
-    const double held = haptic->local.friction.held;
+    const double taken = ss_haptic_felt_stiffness(haptic, out) / haptic->yield.spring;
+    const double led = fraction * (1.0 - taken);
+    double held = haptic->local.friction.held;
+    if (haptic->local.grasp.is_held && fraction < 1.0) {
+        /* And sideways too: the softened spring against the tissue, over the whole one. */
+        held = 1.0 - fraction / (taken + led);
+    }
     lead(v, out, led, held, target->velocity);
     target->room =
         ss_local_contact_room(&haptic->local, haptic->p, haptic->slip.limit, target->outward);

@@ -6,14 +6,15 @@
  * The coupling is without force where the proxy is at x + aside. At the limit the proxy slips out
  * along the local contact model's force (coupling.c); what of that slip lies across the force when
  * the force turns goes into `aside`, so that the proxy stays, and fades: in the end the force
- * points from the hand to the proxy. A grasp pulls either way: a hand that moves over the place
- * where it took hold turns the force by more than a right angle, and then lies on the side to which
- * it is pulled. There `aside` may lie against the force, and where nothing is limited it only
- * fades: were that part dropped, as for contacts, which only push, the proxy would be millimetres
- * on in a tick, and the force the other way round. A grasp let go leaves all of it there: until the
- * model holds no more, some 20 ms of its time, the proxy stays. `aside` belongs to the hand's
- * point, not to where the coupling and its damper together would have the proxy: that depends on
- * the spring, which is another one in and out of contact.
+ * points from the hand to the proxy. In a grasp the spring is soft all ways and the force points
+ * there by itself: `aside` is then what the contacts left, and only fades, also where nothing is
+ * limited. It begins as what keeps the force's direction: at the limit, with d from the hand to
+ * where the proxy goes next, without what the damper and what decays pull,
+ *   aside = d - (d.u) u,   u along the force that the grasp begins with.
+ * A grasp let go leaves all of it there: until the model holds no more, some 20 ms of its time, the
+ * proxy stays. `aside` belongs to the hand's point, not to where the coupling and its damper
+ * together would have the proxy: that depends on the spring, which is another one in and out of
+ * contact.
  *
  * A limit that is lowered under a press sends the proxy out by millimetres in a tick or two. The
  * tissue follows in some 30 results and swings meanwhile, and with it the direction of its force f:
@@ -113,6 +114,14 @@ bool ss_slip_turn(ss_slip *slip, const double last[3], double way, double period
     return true;
 }
 
+void ss_slip_hold(ss_slip *slip, const double stretch[3], const double force[3])
+{
+    const double square = ss_dot3(force, force);
+    if (slip->stiffness_fraction < 1.0 && square > NEGLIGIBLE_FORCE * NEGLIGIBLE_FORCE) {
+        ss_madd3(slip->aside, stretch, -ss_dot3(stretch, force) / square, force);
+    }
+}
+
 double ss_slip_time_left(const ss_slip *slip, const double v[3])
 {
     const double speed = ss_dot3(v, slip->direction);
@@ -138,14 +147,12 @@ void ss_slip_take(ss_slip *slip, const ss_balance *balance, const ss_rest *rest,
         return;
     }
     slip->is_from_grasp = slip->is_from_grasp && !(is_limited && has_force);
-    const bool is_beside = ss_norm3(slip->aside) > 0.0 && !balance->is_held;
-    if (!slip->is_from_grasp && has_force && (is_limited || is_beside)) {
+    const bool is_beside = ss_norm3(slip->aside) > 0.0;
+    if (!slip->is_from_grasp && !balance->is_held && has_force && (is_limited || is_beside)) {
         double d[3];
         ss_sub3(d, rest->p, balance->p_free);
         ss_madd3(d, slip->aside, balance->spring / spring, d);
-        const double along = ss_dot3(d, slip->direction);
-        const double kept = balance->is_held ? fmin(0.0, along - size / spring) : 0.0;
-        ss_madd3(slip->aside, d, kept - along, slip->direction);
+        ss_madd3(slip->aside, d, -ss_dot3(d, slip->direction), slip->direction);
     }
     ss_scale3(slip->aside, slip->aside, exp(-period / ASIDE_TIME));
     if (ss_norm3(slip->aside) < NEGLIGIBLE) {

@@ -204,6 +204,24 @@ TEST(one_contact_slips_by_closed_form)
     assert_near(rest.stiffness_fraction, 1.0 / (2000.0 * 0.02), 1e-9);
 }
 
+/* In a grasp the coupling is soft all ways, whatever the force was: it points to the proxy. */
+TEST(a_grasp_at_the_limit_pulls_to_the_proxy)
+{
+    for (int n = 0; n < 200; ++n) {
+        ss_balance b = {.spring = 2000.0, .limit = 0.2, .axis = {0.6, 0.0, 0.8}};
+        ss_rest rest;
+        double turn[3];
+        random_grasp(&b);
+        ss_coupling_balance(&b, &rest);
+        if (rest.stiffness_fraction < 1.0) {
+            assert_near(ss_norm3(rest.grasp), b.limit, 1e-8);
+            ss_cross3(turn, rest.grasp, rest.p);
+            assert_near(ss_norm3(turn), 0.0, 1e-9 * ss_norm3(rest.p));
+            assert_true(ss_dot3(rest.grasp, rest.p) > 0.0);
+        }
+    }
+}
+
 /* What cannot be slipped out of leaves the proxy where the stiff spring holds it: F/K from the
  * hand. */
 TEST(a_law_without_stiffness_keeps_the_proxy_near)

@@ -58,6 +58,23 @@ TEST(the_proxy_stays_until_the_model_holds_no_more)
     }
 }
 
+/* A grasp that begins at the limit has the hand's point where the force keeps its direction; below
+ * the limit, or without a force, it stays where it is. */
+TEST(a_grasp_begins_along_the_force)
+{
+    const double stretch[3] = {0.003, 0.001, 0.004}, force[3] = {0.0, 0.0, 0.5}, none[3] = {0};
+    ss_slip slip = {.limit = 0.5, .stiffness_fraction = 0.2, .aside = {0.01, 0.02, 0.03}};
+    ss_slip_hold(&slip, stretch, none);
+    assert_near(slip.aside[2], 0.03, 0.0);
+    ss_slip_hold(&slip, stretch, force);
+    assert_near(slip.aside[0], 0.003, 1e-15);
+    assert_near(slip.aside[1], 0.001, 1e-15);
+    assert_near(slip.aside[2], 0.0, 1e-15);
+    slip.stiffness_fraction = 1.0;
+    ss_slip_hold(&slip, force, stretch);
+    assert_near(slip.aside[0], 0.003, 1e-15);
+}
+
 /* What is felt after a lowered limit keeps its size and turns by less than a degree a tick, the
  * short way, into the opposite too; it catches up without a jump, and is left alone from then on.
  * A force that ended has no direction to keep. */
