@@ -3,8 +3,8 @@
 #include "serve.h"
 
 #include <libwebsockets.h>
+#include <linux/tcp.h> /* of tcp_info netinet's has the beginning alone */
 #include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,10 +25,12 @@ enum {
     UNSENT = 16384, /* bytes for a browser that wait in the kernel */
     CHUNK = 16384,  /* bytes of a file at once */
     PATH_SIZE = 256,
-    COOKIES_SIZE = 4096, /* as much as the library takes of a header */
-    LOOK_TURNS = 16,     /* of the library, from one look at what is unread to the next, */
-    LOOK_NS = 4000000,   /* and how long these take at least */
-    REFUSED = 1          /* of callbacks: answered already */
+    COOKIES_SIZE = 4096,    /* as much as the library takes of a header */
+    TAKING_NS = 2000000000, /* without a byte taken: no more */
+    IDLE_TURNS = 256,       /* of the library, on end, in which nothing gets on: it goes round; */
+    LOOK_TURNS = 16,        /* then these */
+    LOOK_NS = 4000000,      /* take so long at least */
+    REFUSED = 1             /* of callbacks: answered already */
 };
 
 typedef struct browser browser;
@@ -36,8 +38,9 @@ typedef struct browser browser;
 /* A connection that is no browser's WebSocket: no head yet, or only half, or a file under way. */
 typedef struct guest {
     struct lws *wsi;
-    int64_t seen_ns; /* when it last got on */
-    bool is_unread;  /* had bytes, or its end, waiting at the last look */
+    int64_t seen_ns;  /* when it last got on */
+    uint64_t taken;   /* bytes that it had taken at the last look, */
+    int64_t taken_ns; /* and when it was first seen to have */
 } guest;
 
 struct ss_serve {
@@ -52,8 +55,8 @@ struct ss_serve {
     atomic_bool is_news;
     guest guests[CONNECTIONS];
     int32_t guest_count;
-    int32_t turns;     /* of the library, since the last look at them, */
-    int64_t looked_ns; /* which was then */
+    int32_t turns;     /* of the library in which nothing was seen to get on */
+    int64_t looked_ns; /* at whether anything did */
 };
 
 /* Of one connection; zero at first. */
@@ -199,24 +202,46 @@ static void note_guest(ss_serve *serve, const struct lws *wsi)
     guest *known = find_guest(serve, wsi);
     if (known != NULL) {
         known->seen_ns = softsim_client_now_ns();
-        known->is_unread = false;
     }
 }
 
+/* Who takes a file goes after all who do not, also after those who have only just come. */
 static guest *longest_idle(ss_serve *serve)
 {
+    const int64_t since_ns = softsim_client_now_ns() - TAKING_NS;
     guest *idle = &serve->guests[0];
     for (int32_t i = 1; i < serve->guest_count; ++i) {
-        idle = serve->guests[i].seen_ns < idle->seen_ns ? &serve->guests[i] : idle;
+        guest *other = &serve->guests[i];
+        const bool is_taking = idle->taken_ns > since_ns, does_other = other->taken_ns > since_ns;
+        const bool is_later = is_taking == does_other ? other->seen_ns < idle->seen_ns : is_taking;
+        idle = is_later ? other : idle;
     }
     return idle;
 }
 
-/* What waits to be read of it: bytes (1), its end (0), or nothing (-1). */
-static int look_at(struct lws *wsi)
+/* Has it said something that was not looked at yet? */
+static bool has_spoken(struct lws *wsi)
 {
     char byte = 0;
-    return (int)recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+    return recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+}
+
+/* Who takes a file gets on; the library sends recordings without saying so. True where any does. */
+static bool note_takers(ss_serve *serve)
+{
+    bool is_any = false;
+    for (int32_t i = 0; i < serve->guest_count; ++i) {
+        guest *known = &serve->guests[i];
+        struct tcp_info info = {.tcpi_bytes_acked = 0};
+        socklen_t size = sizeof info;
+        if (getsockopt(lws_get_socket_fd(known->wsi), IPPROTO_TCP, TCP_INFO, &info, &size) == 0 &&
+            info.tcpi_bytes_acked != known->taken) {
+            known->taken = info.tcpi_bytes_acked;
+            known->taken_ns = known->seen_ns = softsim_client_now_ns();
+            is_any = true;
+        }
+    }
+    return is_any;
 }
 
 /* The first time it is said goodbye to, and would have ten seconds to answer. One that is closing
@@ -239,9 +264,10 @@ static void make_room(ss_serve *serve)
     if (serve->guest_count < GUESTS) {
         return;
     }
+    (void)note_takers(serve);
     for (int32_t k = 0; k < serve->guest_count && serve->guest_count >= GUESTS; ++k) {
         struct lws *idle = longest_idle(serve)->wsi;
-        if (look_at(idle) > 0) {
+        if (has_spoken(idle)) {
             note_guest(serve, idle);
         } else {
             send_away(serve, idle);
@@ -252,29 +278,23 @@ static void make_room(ss_serve *serve)
     }
 }
 
-/* While the library (4.1.6) waits for the end of a connection it does not read what comes on it,
- * nor sleeps: it would take the whole of a core for five seconds. One that stays unread for so many
- * of its turns goes at once. Nor does it sleep while requests that it has read wait behind a file
- * that its asker does not take: it gets so many turns in LOOK_NS, and waits for the rest of that.
- */
-static void end_unread(ss_serve *serve)
+/* The library (4.1.6) does not sleep while it waits for the end of a connection on which something
+ * has come, or while requests that it has read wait behind a file that their asker does not take:
+ * it would have the whole of a core for five seconds. After IDLE_TURNS in which nothing gets on it
+ * has LOOK_TURNS in LOOK_NS. Rejected: to cut such connections off; a client that half-closes after
+ * its request still reads the answer. */
+static void pace(ss_serve *serve)
 {
-    if (++serve->turns < LOOK_TURNS) {
+    if (++serve->turns < IDLE_TURNS) {
         return;
     }
-    for (int32_t i = serve->guest_count - 1; i >= 0; --i) {
-        guest *known = &serve->guests[i];
-        const bool was_unread = known->is_unread;
-        known->is_unread = look_at(known->wsi) >= 0;
-        if (was_unread && known->is_unread) {
-            send_away(serve, known->wsi);
-        }
-    }
     const int64_t left_ns = serve->looked_ns + LOOK_NS - softsim_client_now_ns();
-    if (left_ns > 0) {
+    serve->turns = IDLE_TURNS - LOOK_TURNS;
+    if (note_takers(serve)) {
+        serve->turns = 0;
+    } else if (left_ns > 0) {
         nanosleep(&(struct timespec){.tv_nsec = left_ns}, NULL);
     }
-    serve->turns = 0;
     serve->looked_ns = softsim_client_now_ns();
 }
 
@@ -323,6 +343,7 @@ static int send_file(ss_serve *serve, struct lws *wsi, browser *b)
     memcpy(chunk + LWS_PRE, b->at, size);
     b->at += size;
     note_guest(serve, wsi);
+    serve->turns = 0;
     const bool is_last = b->at == b->end;
     if (lws_write(wsi, chunk + LWS_PRE, size, is_last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
         (int)size) {
@@ -438,6 +459,7 @@ static int hear(ss_serve *serve, struct lws *wsi, browser *b, const char *data, 
         memchr(data, '\0', size) != NULL) {
         return -1;
     }
+    serve->turns = 0;
     memcpy(b->line + b->length, data, size);
     b->length += size;
     if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) {
@@ -463,6 +485,7 @@ static int tell(ss_serve *serve, struct lws *wsi, browser *b)
     if (message == NULL) {
         return 0;
     }
+    serve->turns = 0;
     const int written =
         lws_write(wsi, message + LWS_PRE, size, is_text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY);
     free(message);
@@ -646,7 +669,7 @@ int32_t ss_serve_port(const ss_serve *serve)
 
 bool ss_serve_run(ss_serve *serve)
 {
-    end_unread(serve);
+    pace(serve);
     return lws_service(serve->context, 0) >= 0;
 }
 

@@ -64,6 +64,23 @@ static void write_surface(const ss_haptic *haptic, bool is_in_contact, bool is_i
     }
 }
 
+/* N/m: that a client corrects with. Along the surface's normal; what is held without touching it
+ * has none, and is told along the force that draws it. */
+static double felt_by_client(const ss_haptic *haptic, const softsim_force *force)
+{
+    double tissue[3][3], along[3];
+    ss_copy3(along, force->normal);
+    if (!(ss_normalize3(along) > 0.5)) {
+        ss_copy3(along, force->force);
+        if (!(ss_normalize3(along) > 0.0)) {
+            return 0.0;
+        }
+    }
+    /* Over the span in which it does. */
+    ss_local_contact_tangent(&haptic->local, haptic->observer.delay_p50, tissue);
+    return ss_yield_felt(&haptic->yield, tissue, along);
+}
+
 void ss_haptic_write_force(ss_haptic *haptic, const ss_haptic_input *input, const double sent[3],
                            const double undamped[3], int32_t flags)
 {
@@ -94,12 +111,7 @@ void ss_haptic_write_force(ss_haptic *haptic, const ss_haptic_input *input, cons
     ss_copy3(force->proxy, haptic->p);
     write_surface(haptic, is_in_contact, is_inside, force);
     const int32_t hidden = SOFTSIM_FORCE_LIMITED | SOFTSIM_FORCE_RAMPING;
-    double tissue[3][3];
-    /* Over the span in which a client corrects with it. */
-    ss_local_contact_tangent(&haptic->local, haptic->observer.delay_p50, tissue);
-    force->stiffness = is_in_contact && (flags & hidden) == 0
-                           ? ss_yield_felt(&haptic->yield, tissue, force->normal)
-                           : 0.0;
+    force->stiffness = is_in_contact && (flags & hidden) == 0 ? felt_by_client(haptic, force) : 0.0;
 }
 
 /* Of a motion the share `led` along `out`, and across it what friction does not hold. */

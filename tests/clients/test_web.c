@@ -351,6 +351,45 @@ TEST_WITH(a_recording_can_be_fetched_and_read, NULL, end_web)
     stop_browsed(fd);
 }
 
+/* Connections that come and say nothing put out each other, not who takes a file at his own pace.
+ */
+TEST_WITH(who_takes_a_recording_gets_the_whole, NULL, end_web)
+{
+    enum { MORE = 24 << 20, SILENT = 120, CHUNK = 1 << 16 };
+    static char chunk[CHUNK];
+    char path[512], request[256];
+    int silent[SILENT];
+    int64_t size = 0;
+    start_web("127.0.0.1", NULL, folder);
+    const int fd = open_browser();
+    send_line(fd, "record 1");
+    expect_text(fd, "\"type\": \"recording\", \"is_recording\": true");
+    send_line(fd, "record 0");
+    expect_text(fd, "\"is_recording\": false, \"fault\": \"\", \"files\": [\"softsim-");
+    const char *name = strstr((const char *)message, "softsim-");
+    const int length = (int)strcspn(name, "\"");
+    snprintf(path, sizeof path, "%s/%.*s", folder, length, name);
+    assert_int_equal(truncate(path, MORE), 0); /* more than waits in the kernel */
+    const int taker = dial();
+    snprintf(request, sizeof request,
+             "GET /recordings/%.*s HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n",
+             length, name);
+    assert_true(send(taker, request, strlen(request), MSG_NOSIGNAL) > 0);
+    for (int k = 0; size < MORE; ++k) {
+        const ssize_t got = recv(taker, chunk, sizeof chunk, 0);
+        assert_true(got > 0);
+        size += got;
+        if (k < SILENT) {
+            silent[k] = dial();
+        }
+    }
+    for (int k = 0; k < SILENT; ++k) {
+        close(silent[k]);
+    }
+    close(taker);
+    stop_browsed(fd);
+}
+
 /* However its browser goes, the probe is let go and another browser may have it. */
 TEST_WITH(a_probe_is_let_go_however_its_browser_goes, NULL, end_web)
 {
