@@ -73,6 +73,47 @@ TEST(a_grasp_held_still_is_still)
     assert_true(is_good);
 }
 
+/* N/m: the largest stiffness told while a hand leaves the kidney at .3 m/s and presses the button
+ * in tick `button`; adds the ticks in which a grasp has no normal. */
+static double stiffest_in_the_air(int button, int *without_normal)
+{
+    enum { LEAVES = 600, END = 900 };
+    static const body b = {.name = "kidney", .scene = "kidney.yaml"};
+    softsim_world *world = make_bundled_world(&b, 8.0);
+    softsim_force force = {.seq = -1};
+    double most = 0.0;
+    for (int n = 0; n < END; ++n) {
+        const double in = smooth((n - 100) / 250.0), out = smooth((n - LEAVES) / 156.0);
+        softsim_pose pose =
+            pose_of(n + 1, (const double[3]){0.0, 0.006, 0.0303 - 0.005 * in + 0.025 * out});
+        pose.force_seq = force.seq;
+        pose.buttons = n >= button ? SOFTSIM_BUTTON_GRASP : 0;
+        force = feel(world, &pose);
+        most = fmax(most, force.stiffness);
+        *without_normal +=
+            (force.flags & SOFTSIM_FORCE_GRASPING) != 0 && ss_norm3(force.normal) < 0.5;
+    }
+    softsim_destroy(&world);
+    return most;
+}
+
+/* A button pressed where the tool has just left the surface holds what it does not touch. No normal
+ * is told then, and what a client corrects with is at most what the coupling makes of any tissue.
+ */
+TEST(what_is_held_in_the_air_is_no_stiffer_than_the_coupling)
+{
+    SKIP_WHERE_REPEATED();
+    static const double coupling = 800.0; /* N/m, its scene's */
+    int without_normal = 0;
+    double most = 0.0;
+    for (int button = 642; button <= 652; button += 2) {
+        most = fmax(most, stiffest_in_the_air(button, &without_normal));
+    }
+    print_message("%.4g N/m at most, %d ticks without a normal\n", most, without_normal);
+    assert_true(without_normal > 100);
+    assert_true(most <= 1.05 * coupling);
+}
+
 int main(void)
 {
     return run_all_tests(make_folder, remove_folder);
