@@ -205,16 +205,21 @@ static void note_guest(ss_serve *serve, const struct lws *wsi)
     }
 }
 
-/* Who takes a file goes after all who do not, also after those who have only just come. */
+/* Is `a` to go before `b`? Who takes a file goes after all who do not, also after those who have
+ * only just come. */
+static bool goes_before(const guest *a, const guest *b, int64_t now_ns)
+{
+    const bool is_taking = now_ns - a->taken_ns < TAKING_NS;
+    const bool is_other_taking = now_ns - b->taken_ns < TAKING_NS;
+    return is_taking == is_other_taking ? a->seen_ns < b->seen_ns : is_other_taking;
+}
+
 static guest *longest_idle(ss_serve *serve)
 {
-    const int64_t since_ns = softsim_client_now_ns() - TAKING_NS;
+    const int64_t now_ns = softsim_client_now_ns();
     guest *idle = &serve->guests[0];
     for (int32_t i = 1; i < serve->guest_count; ++i) {
-        guest *other = &serve->guests[i];
-        const bool is_taking = idle->taken_ns > since_ns, does_other = other->taken_ns > since_ns;
-        const bool is_later = is_taking == does_other ? other->seen_ns < idle->seen_ns : is_taking;
-        idle = is_later ? other : idle;
+        idle = goes_before(&serve->guests[i], idle, now_ns) ? &serve->guests[i] : idle;
     }
     return idle;
 }

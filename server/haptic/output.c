@@ -69,12 +69,9 @@ static void write_surface(const ss_haptic *haptic, bool is_in_contact, bool is_i
 static double felt_by_client(const ss_haptic *haptic, const softsim_force *force)
 {
     double tissue[3][3], along[3];
-    ss_copy3(along, force->normal);
-    if (!(ss_normalize3(along) > 0.5)) {
-        ss_copy3(along, force->force);
-        if (!(ss_normalize3(along) > 0.0)) {
-            return 0.0;
-        }
+    ss_copy3(along, ss_norm3(force->normal) > 0.0 ? force->normal : force->force);
+    if (!(ss_normalize3(along) > 0.0)) {
+        return 0.0;
     }
     /* Over the span in which it does. */
     ss_local_contact_tangent(&haptic->local, haptic->observer.delay_p50, tissue);

@@ -7,8 +7,8 @@
  */
 #include <math.h>
 
-/* Least |z| on the boundary of RK4's region of stability, |1 + z + z^2/2 + z^3/6 + z^4/24| = 1,
- * for arguments of z in 32 equal intervals from the imaginary to the negative real axis. */
+/* Least |z| on that region's boundary, for arguments of z in 32 equal intervals from the imaginary
+ * to the negative real axis. */
 enum { ARCS = 32 };
 static const double rk4_radius[ARCS] = {
     2.8284, 2.9087, 2.9499, 2.9431, 2.9040, 2.8482, 2.7840, 2.7217, 2.6707, 2.6360, 2.6185,
