@@ -431,6 +431,7 @@ typedef struct ss_passivity {
     int64_t actions;    /* ticks so far that were damped or bounded */
     double lent;        /* J: to the contact, by time */
     double let_in;      /* J: that an entry put into the contact in the hand's stead */
+    double damping;     /* N s/m: of the last tick, on its way back to 0 */
     double bound;       /* N: that the last force was, or would be, held to; INFINITY: none */
     double bound_share; /* 0 .. 1, of the bound that holds: by how long the loop is, */
     double soft_share;  /* and how far the damper has gone to the long loop's */

@@ -14,7 +14,9 @@
  *
  * Damping (Hannaford and Ryu 2002): while E' < 0,
  *   F += alpha v_in,  alpha = min(alpha_max, -E' / (T v_in^2)),  v_in = -n.v,  F >= 0,
- * in a grasp against v itself.
+ * in a grasp against v itself. What alpha was goes over 20 ms, and does not with E' < 0: one tick's
+ * damping pays for the next tick, which without it gave the whole force back to a hand that left,
+ * 0 and 2 N in turns.
  *
  * Behind a delay damping is late too, and drives the hand. There, without a grasp or a client that
  * corrects, the force is bounded by what the hand has paid for it: one sent now acts for the delay
@@ -44,6 +46,7 @@
 
 #define DAMPING_NEAR     10.0    /* N s/m, alpha_max */
 #define DAMPING_FAR      5.0     /* N s/m, the same behind a longer delay */
+#define GIVE_BACK_TIME   0.020   /* s: damping goes */
 #define NEAR_DELAY       0.0031  /* s: no bound up to here, */
 #define FAR_DELAY        0.0051  /* and nothing but the bound from here */
 #define GUESSED_DELAY    0.0051  /* s: less, before the delay is known, is a guess */
@@ -150,8 +153,8 @@ static double bound(ss_passivity *passivity, const ss_observer *observer,
 
 /* What a damper of at most `most` adds to `force` of `size` > 0; `energy` < 0: beyond the allowed.
  */
-static void dampen(double most, const ss_passivity_tick *now, double energy, const double force[3],
-                   double size, double out_change[3])
+static void dampen(ss_passivity *passivity, double most, const ss_passivity_tick *now,
+                   double energy, const double force[3], double size, double out_change[3])
 {
     double n[3], way[3];
     ss_scale3(n, force, 1.0 / size);
@@ -160,11 +163,13 @@ static void dampen(double most, const ss_passivity_tick *now, double energy, con
         ss_copy3(way, now->velocity);
     }
     const double square = fmax(ss_dot3(way, way), SPEED_SQUARE_MIN);
-    const double alpha = fmin(most, -energy / (now->period * square));
-    ss_scale3(out_change, way, -alpha);
-    if (!now->is_grasping && ss_dot3(out_change, n) < -size) {
-        ss_scale3(out_change, n, -size);
+    const double wanted = fmin(most, fmax(0.0, -energy) / (now->period * square));
+    double alpha = fmax(wanted, passivity->damping);
+    if (!now->is_grasping && alpha * ss_dot3(way, n) > size) {
+        alpha = size / ss_dot3(way, n);
     }
+    passivity->damping = alpha;
+    ss_scale3(out_change, way, -alpha);
 }
 
 bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
@@ -172,6 +177,7 @@ bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
 {
     const double size = ss_norm3(force);
     follow_delay(passivity, observer, now, size);
+    passivity->damping *= exp(-now->period / GIVE_BACK_TIME);
     if (!observer->is_told || !(size > 0.0)) {
         passivity->bound = INFINITY;
         return false;
@@ -179,12 +185,10 @@ bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
     const double share = passivity->bound_share;
     const double foreseen = ss_observer_foresee(observer, now) + passivity->let_in;
     const double energy = foreseen - passivity->forgiven - ALLOWED_ENERGY;
-    double change[3] = {0.0, 0.0, 0.0};
-    if (share < 1.0 && energy < 0.0) {
-        const double most = DAMPING_NEAR + passivity->soft_share * (DAMPING_FAR - DAMPING_NEAR);
-        dampen(most, now, energy, force, size, change);
-        ss_scale3(change, change, 1.0 - share);
-    }
+    const double most = DAMPING_NEAR + passivity->soft_share * (DAMPING_FAR - DAMPING_NEAR);
+    double change[3];
+    dampen(passivity, most, now, energy, force, size, change);
+    ss_scale3(change, change, 1.0 - share);
     const double bounded = bound(passivity, observer, now, foreseen, force, size);
     ss_madd3(change, change, share * (bounded / size - 1.0), force);
     ss_add3(force, force, change);

@@ -144,6 +144,19 @@ static void run_filling(void)
     run_told(" is a surface: ");
 }
 
+/* Was fem-quadratic chosen for `scene`? It is, unless its steps are too slow where this runs. */
+static bool is_quadratic(const char *scene)
+{
+    char chosen[64];
+    (void)snprintf(chosen, sizeof chosen, "%s: fem-quadratic, ", scene);
+    const char *passed_over = strstr(out, "fem-quadratic (a step of ");
+    const bool is_slow = passed_over != NULL && strstr(passed_over, " ms here)") != NULL;
+    if ((strstr(out, chosen) != NULL) == is_slow) {
+        fail_msg("not fem-quadratic: %s", out);
+    }
+    return !is_slow;
+}
+
 /* Of what comes next the mesh is not doubted any more. */
 static void expect_even(const char *verdict)
 {
@@ -276,9 +289,10 @@ TEST_WITH(a_surface_is_felt_or_told_how_to_be_filled, make_folder, remove_folder
     run_filling();
     assert_int_equal(
         run(TOOL "scene kidney-filled.msh --tissue kidney --out f.yaml", out, sizeof out), 0);
-    assert_non_null(strstr(out, "f.yaml: fem-quadratic, "));
-    assert_null(strstr(out, "were scaled to"));
-    assert_true(told_ratio() > 0.8 && told_ratio() < 1.2);
+    if (is_quadratic("f.yaml")) {
+        assert_null(strstr(out, "were scaled to"));
+        assert_true(told_ratio() > 0.8 && told_ratio() < 1.2);
+    }
 }
 
 TEST_WITH(a_picture_is_one, make_folder, remove_folder)
@@ -543,9 +557,10 @@ TEST_WITH(a_stiff_model_gives_way_and_a_coarser_mesh_is_told, make_folder, remov
                               "f.yaml",
                          out, sizeof out),
                      0);
-    assert_non_null(strstr(out, "f.yaml: fem-quadratic"));
-    const double ratio = number_after(out, "of indentation, ");
-    assert_true(ratio > 0.7 && ratio < 1.4);
+    if (is_quadratic("f.yaml")) {
+        const double ratio = number_after(out, "of indentation, ");
+        assert_true(ratio > 0.7 && ratio < 1.4);
+    }
 }
 
 /* Of a stiff model that presses well and none at all the stiff one is kept: the network refuses a
