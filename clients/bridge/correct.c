@@ -15,7 +15,7 @@ static const int64_t fade_ns = 20000000, fresh_ns = 10000000;
 static const double take_up_s = 0.05, longest_s = 0.01, give_back_s = 0.02;
 static const double slip_credit_m = 5e-3;
 static const double touch_n = 0.02;
-static const double free_debt_j = 0.1e-3, full_debt_j = 0.3e-3, forget_s = 0.2;
+static const double free_debt_j = 0.1e-3, forget_s = 0.2, foreseen_s = 0.005;
 static const double most_damping_n_s_per_m = 60.0;
 static const double least_cutoff_hz = 20.0, most_cutoff_hz = 100.0, cutoff_hz_per_m_per_s = 2000.0;
 
@@ -121,8 +121,17 @@ static void note_entry(ss_corrector *corrector, int64_t now_ns, double size)
     }
 }
 
-/* Takes off a force that moves with the hand what its contact has not taken from the hand; for the
- * coming period of `elapsed_s`. */
+/* J: what a force of `size` that falls by the stiffness told does on a hand that goes on along it.
+ */
+static double handed_out(const ss_corrector *corrector, double size, double speed)
+{
+    const double stiffness = fmin(corrector->force.stiffness, max_stiffness_n_per_m);
+    const double way = fmin(speed * foreseen_s, stiffness > 0.0 ? size / stiffness : INFINITY);
+    return way * (size - 0.5 * fmax(0.0, stiffness) * way);
+}
+
+/* Takes off a force that moves with the hand what its contact has not taken from the hand;
+ * `elapsed_s` after the last time. */
 static void damp(ss_corrector *corrector, int64_t now_ns, double elapsed_s, double force[3])
 {
     const double size = ss_norm3(force);
@@ -138,10 +147,10 @@ static void damp(ss_corrector *corrector, int64_t now_ns, double elapsed_s, doub
     double taken = 0.0;
     const double speed = size > touch_n ? ss_dot3(force, corrector->velocity) / size : 0.0;
     if (speed > 0.0) {
-        const double debt = size * speed * elapsed_s - corrector->energy_j;
-        const double share = (debt - free_debt_j) / (full_debt_j - free_debt_j);
-        const double damping = most_damping_n_s_per_m * fmin(1.0, fmax(0.0, share));
-        taken = fmin(1.0, damping * speed / size);
+        const double given = handed_out(corrector, size, speed);
+        const double allowed = fmax(0.0, corrector->energy_j + free_debt_j);
+        const double share = given > allowed ? 1.0 - allowed / given : 0.0;
+        taken = fmin(share, most_damping_n_s_per_m * speed / size);
     }
     corrector->taken = fmax(taken, corrector->taken * exp(-elapsed_s / give_back_s));
     ss_scale3(force, force, 1.0 - corrector->taken);

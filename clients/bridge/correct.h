@@ -23,13 +23,18 @@
  * The line through one answer is not the tissue: it is held off by 20 ms of motion, and what it
  * gives back on the way out the hand has not paid on the way in (a fast tap over 10 ms: 20 mJ, with
  * late messages 80). Only here is known at once what the hand was given: E = sum -F . dx of the
- * contact under way. Where E, and what the next period would hand out, is below -0.1 mJ, the force
- * on a hand that moves with it, at v along it, is
+ * contact under way. A hand that goes on at v along the force will be given, within 5 ms,
  *
- *   F - alpha v >= 0,   alpha growing to 60 N s/m at -0.3 mJ
+ *   W = w (F - S w / 2),   w = min(v 5 ms, F / S)
  *
- * and never more than F: a hand that presses feels what it felt. What is taken off is given back in
- * 20 ms: else the next tick of a tap that left had all of it again, and the one after it nothing. v
+ * (a spring that was paid for gives back no more than it took, and loses nothing here). Where W is
+ * more than E + 0.1 mJ, the force is
+ *
+ *   F max((E + 0.1 mJ) / W, 1 - v 60 N s/m / F, 0)
+ *
+ * and never more than F: a hand that presses feels what it felt. (With one period for 5 ms, 3 N on
+ * a hand that left at .6 m/s were gone in a tick.) What is taken off is given back in 20 ms: else
+ * the next tick of a tap that left had all of it again, and the one after it nothing. v
  * is filtered at 20 Hz and 2 Hz for each mm/s of it (Casiez, Roussel and Vogel, 1 euro filter, CHI
  * 2012): a count of 30 um of a hand at rest is 4 mm/s, a tap is known after 3 ms. (At 100 Hz it was
  * 14, and in a debt each count took half of the force for a tick.) Debts are forgotten within 0.2
