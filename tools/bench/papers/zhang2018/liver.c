@@ -40,7 +40,8 @@ enum {
 static const int32_t mark[MARKS] = {10, 31, 84, 212, 6000, 300000};
 static const double youngs_modulus = 1e4, poisson_ratio = 0.3;
 
-/* C is 1 s and a step what the network calls stable: its figures count its own steps. */
+/* C is 1 s and a step what the network calls stable: its figures count its own steps, the first,
+ * in which the patch goes in, as one: the network divides it, a quarter of a link each. */
 #define NETWORK "cnn-chainmail"
 #define COMMON  "link_stiffness_n_per_m=100", "capacitance_s=1"
 
@@ -55,6 +56,7 @@ typedef struct shape_run {
     double error[MARKS], roughness, rise, us; /* -; mm; of the peak energy; a step */
     int32_t inverted[MARKS];
     double step_s;      /* s of the network */
+    int32_t substeps;   /* of the first step, in which the patch goes in */
     int32_t look_count; /* on the way: steps, CPU time since the start, and the error then */
     int32_t look_step[LOOKS];
     double look_us[LOOKS], look_error[LOOKS];
@@ -144,6 +146,7 @@ static softsim_status run_shape(const ss_zhang_solid *liver, double depth, const
         ss_zhang_step(&run, depth * fmin(1.0, (double)k / row->way));
         const double step_us = 1e-3 * (double)(ss_clock_thread_cpu_ns() - before);
         spent_us += step_us;
+        row->substeps = k == 1 ? run.substeps : row->substeps;
         if (k > mark[LATE] - TIMED && k <= mark[LATE]) {
             us[timed++] = step_us;
         }
@@ -319,8 +322,9 @@ static const shape_run shallow_runs[UNGUARDED + 1] = {
                    .last = LONG},
 };
 
-/* The paper's network of this poke by the report's reference program: its error against the finite
- * elements after 212 steps, and how far the model's shape is from it. */
+/* The paper's network of this poke by the report's reference program, its first step divided as the
+ * model's: its error against the finite elements after 212 steps, and how far the model's shape is
+ * from it. What is allowed is for single precision: that step undivided makes 4e-4 and 1.2e-3. */
 static softsim_status claim_reference(ss_paper *paper, const ss_zhang_solid *liver, const field fem,
                                       const struct poke *what, const shape_run *row, const field u,
                                       double *out_error, softsim_error *error)
@@ -335,7 +339,8 @@ static softsim_status claim_reference(ss_paper *paper, const ss_zhang_solid *liv
         status = ss_memory_fault(error);
     }
     if (status == SOFTSIM_OK) {
-        for (int32_t k = 0; k < mark[LATE]; ++k) {
+        ss_zhang_reference_at_once(&reference, what->depth, row->step_s, row->substeps);
+        for (int32_t k = 1; k < mark[LATE]; ++k) {
             ss_zhang_reference_step(&reference, what->depth, row->step_s);
         }
         for (size_t i = 0; i < n; ++i) {
@@ -344,7 +349,7 @@ static softsim_status claim_reference(ss_paper *paper, const ss_zhang_solid *liv
         ss_zhang_reference_fini(&reference);
         *out_error = ss_zhang_distance((int32_t)n, (const double(*)[3])reference_u,
                                        (const double(*)[3])fem, liver->volume);
-        ss_claim_at_most(paper, "Fig. 6", SS_FROM_CODE, 1e-3,
+        ss_claim_at_most(paper, "Fig. 6", SS_FROM_CODE, 1e-4,
                          ss_zhang_distance((int32_t)n, (const double(*)[3])u,
                                            (const double(*)[3])reference_u, liver->volume),
                          "liver, %s: the paper's network after 212 steps: distance of the shape "
@@ -459,7 +464,8 @@ static void claim_better(ss_paper *paper, const shape_run *row)
     ss_page_text(
         &paper->page,
         "After equal numbers of steps, and after the CPU time that each ChainMail took for "
-        "the whole poke of %d steps:",
+        "the whole poke of %d steps, when the paper's network is far from rest, since what moves "
+        "it spreads a link a step:",
         MAIL_STEPS);
     ss_page_table_begin(&paper->page, (int32_t)(sizeof head / sizeof *head), head);
     for (int r = MAIL_BOX; r < RUN_COUNT; ++r) {
@@ -756,16 +762,17 @@ softsim_status ss_zhang_liver(ss_paper *paper, softsim_error *error)
         return status;
     }
     field unit = calloc((size_t)liver.mesh->node_count, sizeof *unit);
-    ss_page_text(&paper->page,
-                 "The paper: a liver of 5762 points and 20255 tetrahedra deforms better by the "
-                 "network than by ChainMail. Here: a generated liver of %d points and %d "
-                 "tetrahedra, held at its bare area, a patch of %d nodes on the upper side of its "
-                 "free lobe moved in at once, and linear finite elements of the same mesh (nu %g) "
-                 "as the measure. The coarse level (many elements in a cell, the paper's future "
-                 "work) and the guard of tetrahedra are this program's, not the paper's; rows that "
-                 "have them say so. 12 mm, alpha 0.02:",
-                 liver.mesh->node_count, liver.mesh->tetrahedron_count, liver.pushed_count,
-                 poisson_ratio);
+    ss_page_text(
+        &paper->page,
+        "The paper: a liver of 5762 points and 20255 tetrahedra deforms better by the "
+        "network than by ChainMail. Here: a generated liver of %d points and %d "
+        "tetrahedra, held at its bare area, a patch of %d nodes on the upper side of its "
+        "free lobe moved in at once (in one step, which the network divides, a quarter of a "
+        "link each), and linear finite elements of the same mesh (nu %g) as the measure. The "
+        "coarse level (many elements in a cell, the paper's future work) and the guard of "
+        "tetrahedra are this program's, not the paper's; rows that have them say so. 12 mm, "
+        "alpha 0.02:",
+        liver.mesh->node_count, liver.mesh->tetrahedron_count, liver.pushed_count, poisson_ratio);
     if (unit == NULL) {
         status = ss_memory_fault(error);
     } else {

@@ -225,6 +225,15 @@ void ss_zhang_reference_hold(ss_zhang_reference *reference, double time, double 
     }
 }
 
+void ss_zhang_reference_at_once(ss_zhang_reference *reference, double depth, double h,
+                                int32_t parts)
+{
+    const double from = reference->depth;
+    for (int32_t k = 1; k <= parts; ++k) {
+        ss_zhang_reference_step(reference, from + (depth - from) * k / parts, h / parts);
+    }
+}
+
 /* ---- equilibrium ---- */
 
 bool ss_zhang_reference_settle(ss_zhang_reference *reference, double least)

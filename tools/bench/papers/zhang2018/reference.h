@@ -65,6 +65,9 @@ void ss_zhang_reference_step(ss_zhang_reference *reference, double depth, double
 /* To `depth` at a speed, and held, in steps of h. */
 void ss_zhang_reference_go(ss_zhang_reference *reference, double depth, double speed, double h);
 void ss_zhang_reference_hold(ss_zhang_reference *reference, double time, double h);
+/* To `depth` in one step of h, in `parts` equal parts of way and time, as a model divides one. */
+void ss_zhang_reference_at_once(ss_zhang_reference *reference, double depth, double h,
+                                int32_t parts);
 /* The equilibrium with the patch where it is, by another algorithm than time: Nesterov's
  * accelerated gradient of W with restarts, until no cell would move by more than `least` of a mean
  * link in a C. False when it does not settle. */

@@ -157,9 +157,12 @@ void ss_zhang_step(ss_zhang_run *run, double depth)
     const ss_model_tool none[SOFTSIM_MAX_PROBES] = {{.is_present = false}};
     const double share = depth / run->setup->depth;
     run->class->step(run->model, share - run->step_s, run->step_s, none);
+    ss_model_info info;
+    run->class->info(run->model, &info);
+    run->substeps = info.substeps;
     run->depth = depth;
     if (is_held) {
-        run->peak_energy_rise = fmax(run->peak_energy_rise, ss_zhang_energy(run) - before);
+        run->peak_energy_rise = fmax(run->peak_energy_rise, info.elastic - before);
     }
 }
 

@@ -8,8 +8,8 @@
  * The model is stepped by itself, through the interface that the world uses, since a scene's
  * prescribed displacement only goes in. The patch is a prescribed set with a ramp of one second,
  * and the time that the model is told is the share of the way: told to go back in time, the patch
- * goes back. A step is what the model calls stable, so that no step is divided. Lengths are in m,
- * C in s, forces in N. Thread: main.
+ * goes back. A step is what the model calls stable, so that only one in which the patch goes
+ * further than a quarter of a link is divided. Lengths are in m, C in s, forces in N. Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -41,6 +41,7 @@ typedef struct ss_zhang_run {
     struct ss_param_value *param;
     struct ss_prescribed *set;
     double step_s;           /* of a step */
+    int32_t substeps;        /* of the last step */
     double depth;            /* m, now */
     double peak_energy_rise; /* J: the largest rise of the elastic energy in a step without work */
 } ss_zhang_run;
