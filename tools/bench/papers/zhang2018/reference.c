@@ -70,7 +70,10 @@ static bool measure_links(ss_zhang_reference *reference, const ss_zhang_referenc
         reference->weight[l] = plan->stiffness_of != NULL
                                    ? 0.5 * (plan->stiffness_of[a] + plan->stiffness_of[b])
                                    : plan->stiffness;
-        mean += reference->weight[l] / reference->link_count;
+    }
+    for (int32_t i = 0; i < reference->node_count; ++i) {
+        const double k = plan->stiffness_of != NULL ? plan->stiffness_of[i] : plan->stiffness;
+        mean += k / reference->node_count;
     }
     reference->stiffness = mean;
     for (int32_t l = 0; l < reference->link_count; ++l) {

@@ -27,7 +27,7 @@ typedef struct ss_zhang_reference {
     double (*flow)[3];           /* dP of (12), m */
     int32_t (*link)[2];
     double *length;        /* m, at rest */
-    double *weight;        /* k of a link over the mean k */
+    double *weight;        /* k of a link over the mean k of nodes */
     uint8_t *is_held;      /* fixed nodes and the patch */
     const int32_t *pushed; /* the patch, borrowed */
     int32_t pushed_count;

@@ -96,13 +96,13 @@ softsim_status ss_zhang_tissue(ss_paper *paper, softsim_error *error)
     for (int32_t i = 0; i < SS_PLANE_NODES; ++i) {
         ss_sub3(reference_u[i], reference.at[i], reference.rest[i]);
     }
-    ss_claim_near(paper, "section 1", SS_FROM_CODE, reference.force, force, 1e-3,
+    ss_claim_near(paper, "section 1", SS_FROM_CODE, reference.force, force, 1e-4,
                   "two tissues: force at the contact, N");
     ss_zhang_reference_fini(&reference);
     const double apart = ss_zhang_distance(SS_PLANE_NODES, (const double(*)[3])u,
                                            (const double(*)[3])reference_u, NULL);
     ss_claim_at_most(
-        paper, "section 1", SS_FROM_CODE, 1e-3, apart,
+        paper, "section 1", SS_FROM_CODE, 1e-4, apart,
         "two tissues: distance of the shape from the reference network's, over its size");
     const double left = -u[SS_PLANE_MIDDLE - 4][2], right = -u[SS_PLANE_MIDDLE + 4][2];
     ss_claim_at_least(paper, "section 1", SS_FROM_PAPER, 0.05, fabs(left - right) / depth_m,
