@@ -15,7 +15,7 @@ static const int64_t fade_ns = 20000000, fresh_ns = 10000000;
 static const double take_up_s = 0.05, longest_s = 0.01, give_back_s = 0.02;
 static const double slip_credit_m = 5e-3;
 static const double touch_n = 0.02;
-static const double free_debt_j = 0.1e-3, forget_s = 0.2, foreseen_s = 0.005;
+static const double free_debt_j = 0.1e-3, deep_debt_j = 0.3e-3, forget_s = 0.2, foreseen_s = 0.005;
 static const double most_damping_n_s_per_m = 60.0;
 static const double least_cutoff_hz = 20.0, most_cutoff_hz = 100.0, cutoff_hz_per_m_per_s = 2000.0;
 
@@ -150,7 +150,9 @@ static void damp(ss_corrector *corrector, int64_t now_ns, double elapsed_s, doub
         const double given = handed_out(corrector, size, speed);
         const double allowed = fmax(0.0, corrector->energy_j + free_debt_j);
         const double share = given > allowed ? 1.0 - allowed / given : 0.0;
-        taken = fmin(share, most_damping_n_s_per_m * speed / size);
+        const double damping =
+            most_damping_n_s_per_m * fmax(1.0, -corrector->energy_j / deep_debt_j);
+        taken = fmin(share, damping * speed / size);
     }
     corrector->taken = fmax(taken, corrector->taken * exp(-elapsed_s / give_back_s));
     ss_scale3(force, force, 1.0 - corrector->taken);

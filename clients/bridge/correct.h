@@ -30,7 +30,7 @@
  * (a spring that was paid for gives back no more than it took, and loses nothing here). Where W is
  * more than E + 0.1 mJ, the force is
  *
- *   F max((E + 0.1 mJ) / W, 1 - v 60 N s/m / F, 0)
+ *   F max((E + 0.1 mJ) / W, 1 - alpha v / F, 0),   alpha = 60 N s/m max(1, -E / 0.3 mJ)
  *
  * and never more than F: a hand that presses feels what it felt. (With one period for 5 ms, 3 N on
  * a hand that left at .6 m/s were gone in a tick.) What is taken off is given back in 20 ms: else

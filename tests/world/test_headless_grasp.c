@@ -17,7 +17,7 @@ static const struct {
     {{0.0343, -0.0208, -0.0322}, {0.0322, -0.0189, -0.0293}, {0.0272, -0.0111, -0.0258}},
     {{0.0076, -0.0418, 0.0220}, {0.0072, -0.0383, 0.0201}, {-0.0019, -0.0393, 0.0161}},
 };
-enum { PLACES = sizeof places / sizeof *places };
+enum { PLACES = sizeof places / sizeof *places, DRAW_TICKS = 700 };
 
 static void path(int place, int n, double out[3])
 {
@@ -112,6 +112,45 @@ TEST(what_is_held_in_the_air_is_no_stiffer_than_the_coupling)
     print_message("%.4g N/m at most, %d ticks without a normal\n", most, without_normal);
     assert_true(without_normal > 100);
     assert_true(most <= 1.05 * coupling);
+}
+
+/* What is felt of tissue that is grasped and drawn at up to 0.19 m/s; without every `missing`th
+ * pose. */
+static void draw(int missing, double out_force[DRAW_TICKS][3])
+{
+    static const body b = {.name = "kidney", .scene = "kidney.yaml"};
+    softsim_world *world = make_bundled_world(&b, 8.0);
+    softsim_force force[SOFTSIM_MAX_PROBES] = {{.seq = -1}};
+    for (int n = 0; n < DRAW_TICKS; ++n) {
+        const double in = smooth((n - 100) / 300.0), aside = smooth((n - 500) / 120.0);
+        softsim_pose pose =
+            pose_of(n + 1, (const double[3]){0.012 * aside, 0.006, 0.0313 - 0.0056 * in});
+        pose.utime_us = 1000LL * n;
+        pose.force_seq = force[0].seq;
+        pose.buttons = n >= 450 ? SOFTSIM_BUTTON_GRASP : 0;
+        const int32_t channel = 0;
+        (void)softsim_tick(world, &pose, &channel, n % missing != 0, force);
+        ss_copy3(out_force[n], force[0].force);
+    }
+    softsim_destroy(&world);
+}
+
+/* Two clocks of 1 kHz leave a tick without a pose now and then: the hand goes on meanwhile. */
+TEST(a_tick_without_a_pose_is_not_felt)
+{
+    SKIP_WHERE_REPEATED();
+    static double whole[DRAW_TICKS][3], lacking[DRAW_TICKS][3];
+    double most = 0.0, drawn = 0.0;
+    draw(DRAW_TICKS + 1, whole);
+    draw(4, lacking);
+    for (int n = 450; n < DRAW_TICKS; ++n) {
+        double d[3];
+        ss_sub3(d, whole[n], lacking[n]);
+        most = fmax(most, ss_norm3(d));
+        drawn = fmax(drawn, ss_norm3(whole[n]));
+    }
+    print_message("%.3g N of %.3g\n", most, drawn);
+    assert_true(drawn > 3.0 && most < 0.1);
 }
 
 /* How often the force goes there and back by more than .3 N each while a grasp is let go and the
