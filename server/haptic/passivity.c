@@ -73,7 +73,7 @@ void ss_passivity_init(ss_passivity *passivity)
 void ss_passivity_restart(ss_passivity *passivity)
 {
     passivity->share = 1.0;
-    passivity->forgiven = 0.0;
+    passivity->forgiven = passivity->damping = 0.0;
 }
 
 void ss_passivity_step(ss_passivity *passivity, const ss_observer *observer, double period,
