@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <time.h>
 
+#include "guests.h"
 #include "rt/memory.h"
 #include "softsim/client.h"
 
@@ -20,28 +20,14 @@ enum {
     LINES_PER_S = 400,
     LINES_BURST = 200,
     BROWSERS = 32,
-    CONNECTIONS = 128,
-    GUESTS = 48,    /* connections that are no browsers' sockets, at once */
     UNSENT = 16384, /* bytes for a browser that wait in the kernel */
     CHUNK = 16384,  /* bytes of a file at once */
     PATH_SIZE = 256,
-    COOKIES_SIZE = 4096,    /* as much as the library takes of a header */
-    TAKING_NS = 2000000000, /* without a byte taken: no more */
-    IDLE_TURNS = 256,       /* of the library, on end, in which nothing gets on: it goes round; */
-    LOOK_TURNS = 16,        /* then these */
-    LOOK_NS = 4000000,      /* take so long at least */
-    REFUSED = 1             /* of callbacks: answered already */
+    COOKIES_SIZE = 4096, /* as much as the library takes of a header */
+    REFUSED = 1          /* of callbacks: answered already */
 };
 
 typedef struct browser browser;
-
-/* A connection that is no browser's WebSocket: no head yet, or only half, or a file under way. */
-typedef struct guest {
-    struct lws *wsi;
-    int64_t seen_ns;  /* when it last got on */
-    uint64_t taken;   /* bytes that it had taken at the last look, */
-    int64_t taken_ns; /* and when it was first seen to have */
-} guest;
 
 struct ss_serve {
     struct lws_context *context;
@@ -53,10 +39,7 @@ struct ss_serve {
     int32_t browsers;
     int64_t last_browser;
     atomic_bool is_news;
-    guest guests[CONNECTIONS];
-    int32_t guest_count;
-    int32_t turns;     /* of the library in which nothing was seen to get on */
-    int64_t looked_ns; /* at whether anything did */
+    ss_guests guests;
 };
 
 /* Of one connection; zero at first. */
@@ -173,144 +156,6 @@ static bool is_own_origin(const ss_serve *serve, struct lws *wsi)
            strcmp(origin + sizeof scheme - 1, host) == 0;
 }
 
-/* ---- guests ---- */
-
-/* Who opens connections and says nothing on them must not keep others out: there is room for so
- * many, and a new one has the place of the one that has not got on for longest. */
-
-static guest *find_guest(ss_serve *serve, const struct lws *wsi)
-{
-    for (int32_t i = 0; i < serve->guest_count; ++i) {
-        if (serve->guests[i].wsi == wsi) {
-            return &serve->guests[i];
-        }
-    }
-    return NULL;
-}
-
-static void remove_guest(ss_serve *serve, const struct lws *wsi)
-{
-    guest *leaving = find_guest(serve, wsi);
-    if (leaving != NULL) {
-        *leaving = serve->guests[--serve->guest_count];
-    }
-}
-
-/* It has said all of a request, or taken a piece of a file. */
-static void note_guest(ss_serve *serve, const struct lws *wsi)
-{
-    guest *known = find_guest(serve, wsi);
-    if (known != NULL) {
-        known->seen_ns = softsim_client_now_ns();
-    }
-}
-
-/* Is `a` to go before `b`? Who takes a file goes after all who do not, also after those who have
- * only just come. */
-static bool goes_before(const guest *a, const guest *b, int64_t now_ns)
-{
-    const bool is_taking = now_ns - a->taken_ns < TAKING_NS;
-    const bool is_other_taking = now_ns - b->taken_ns < TAKING_NS;
-    return is_taking == is_other_taking ? a->seen_ns < b->seen_ns : is_other_taking;
-}
-
-static guest *longest_idle(ss_serve *serve)
-{
-    const int64_t now_ns = softsim_client_now_ns();
-    guest *idle = &serve->guests[0];
-    for (int32_t i = 1; i < serve->guest_count; ++i) {
-        idle = goes_before(&serve->guests[i], idle, now_ns) ? &serve->guests[i] : idle;
-    }
-    return idle;
-}
-
-/* Has it said something that was not looked at yet? */
-static bool has_spoken(struct lws *wsi)
-{
-    char byte = 0;
-    return recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
-}
-
-/* Who takes a file gets on; the library sends recordings without saying so. True where any does. */
-static bool note_takers(ss_serve *serve)
-{
-    bool is_any = false;
-    for (int32_t i = 0; i < serve->guest_count; ++i) {
-        guest *known = &serve->guests[i];
-        struct tcp_info info = {.tcpi_bytes_acked = 0};
-        socklen_t size = sizeof info;
-        if (getsockopt(lws_get_socket_fd(known->wsi), IPPROTO_TCP, TCP_INFO, &info, &size) == 0 &&
-            info.tcpi_bytes_acked != known->taken) {
-            known->taken = info.tcpi_bytes_acked;
-            known->taken_ns = known->seen_ns = softsim_client_now_ns();
-            is_any = true;
-        }
-    }
-    return is_any;
-}
-
-/* The first time it is said goodbye to, and would have ten seconds to answer. One that is closing
- * already, as after a request that is none, stays at that: it goes at the library's next turn. */
-static void send_away(ss_serve *serve, struct lws *wsi)
-{
-    for (int k = 0; k < 2 && find_guest(serve, wsi) != NULL; ++k) {
-        lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_SYNC);
-    }
-    if (find_guest(serve, wsi) != NULL) {
-        lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
-        note_guest(serve, wsi);
-    }
-}
-
-/* Before a new one comes. At once: a library that has as many connections as it may (4.1.6) loses
- * track of others. */
-static void make_room(ss_serve *serve)
-{
-    if (serve->guest_count < GUESTS) {
-        return;
-    }
-    (void)note_takers(serve);
-    for (int32_t k = 0; k < serve->guest_count && serve->guest_count >= GUESTS; ++k) {
-        struct lws *idle = longest_idle(serve)->wsi;
-        if (has_spoken(idle)) {
-            note_guest(serve, idle);
-        } else {
-            send_away(serve, idle);
-        }
-    }
-    if (serve->guest_count >= GUESTS) { /* all have spoken */
-        send_away(serve, longest_idle(serve)->wsi);
-    }
-}
-
-/* The library (4.1.6) does not sleep while it waits for the end of a connection on which something
- * has come, or while requests that it has read wait behind a file that their asker does not take:
- * it would have the whole of a core for five seconds. After IDLE_TURNS in which nothing gets on it
- * has LOOK_TURNS in LOOK_NS. Rejected: to cut such connections off; a client that half-closes after
- * its request still reads the answer. */
-static void pace(ss_serve *serve)
-{
-    if (++serve->turns < IDLE_TURNS) {
-        return;
-    }
-    const int64_t left_ns = serve->looked_ns + LOOK_NS - softsim_client_now_ns();
-    serve->turns = IDLE_TURNS - LOOK_TURNS;
-    if (note_takers(serve)) {
-        serve->turns = 0;
-    } else if (left_ns > 0) {
-        nanosleep(&(struct timespec){.tv_nsec = left_ns}, NULL);
-    }
-    serve->looked_ns = softsim_client_now_ns();
-}
-
-static void add_guest(ss_serve *serve, struct lws *wsi)
-{
-    if (serve->guest_count < CONNECTIONS) {
-        serve->guests[serve->guest_count++] =
-            (guest){.wsi = wsi, .seen_ns = softsim_client_now_ns()};
-    }
-}
-
 /* ---- files ---- */
 
 /* And closes, which the library has no way to say in the head: of requests that have come behind
@@ -347,8 +192,8 @@ static int send_file(ss_serve *serve, struct lws *wsi, browser *b)
     const size_t size = left < CHUNK ? left : CHUNK;
     memcpy(chunk + LWS_PRE, b->at, size);
     b->at += size;
-    note_guest(serve, wsi);
-    serve->turns = 0;
+    ss_guests_note(&serve->guests, wsi);
+    ss_guests_note_progress(&serve->guests);
     const bool is_last = b->at == b->end;
     if (lws_write(wsi, chunk + LWS_PRE, size, is_last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
         (int)size) {
@@ -366,7 +211,7 @@ static int serve_file(ss_serve *serve, struct lws *wsi, browser *b)
 {
     static const char recordings[] = "/recordings/";
     char path[PATH_SIZE] = "";
-    note_guest(serve, wsi);
+    ss_guests_note(&serve->guests, wsi);
     if (!is_own_origin(serve, wsi) || !has_token(serve, wsi)) {
         return refuse(wsi, HTTP_STATUS_FORBIDDEN);
     }
@@ -464,7 +309,7 @@ static int hear(ss_serve *serve, struct lws *wsi, browser *b, const char *data, 
         memchr(data, '\0', size) != NULL) {
         return -1;
     }
-    serve->turns = 0;
+    ss_guests_note_progress(&serve->guests);
     memcpy(b->line + b->length, data, size);
     b->length += size;
     if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0) {
@@ -490,7 +335,7 @@ static int tell(ss_serve *serve, struct lws *wsi, browser *b)
     if (message == NULL) {
         return 0;
     }
-    serve->turns = 0;
+    ss_guests_note_progress(&serve->guests);
     const int written =
         lws_write(wsi, message + LWS_PRE, size, is_text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY);
     free(message);
@@ -514,7 +359,7 @@ static int open_browser(ss_serve *serve, struct lws *wsi, browser *b)
                    .lines_left = LINES_BURST,
                    .line_ns = softsim_client_now_ns()};
     ++serve->browsers;
-    remove_guest(serve, wsi);
+    ss_guests_remove(&serve->guests, wsi);
     keep_little_unsent(wsi);
     lws_callback_on_writable(wsi);
     return 0;
@@ -556,13 +401,13 @@ static int handle(struct lws *wsi, enum lws_callback_reasons reason, void *user,
     browser *b = user;
     switch (reason) {
     case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
-        make_room(serve);
+        ss_guests_make_room(&serve->guests);
         return 0;
     case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
-        add_guest(serve, wsi);
+        ss_guests_add(&serve->guests, wsi);
         return 0;
     case LWS_CALLBACK_WSI_DESTROY:
-        remove_guest(serve, wsi);
+        ss_guests_remove(&serve->guests, wsi);
         return 0;
     case LWS_CALLBACK_HTTP:
         return serve_file(serve, wsi, b);
@@ -633,8 +478,8 @@ softsim_status ss_serve_open(const ss_serve_config *config, ss_serve **out_serve
                    LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND,
         .timeout_secs = 10,
         .keepalive_timeout = 10,
-        .max_http_header_pool = CONNECTIONS,
-        .fd_limit_per_thread = CONNECTIONS,
+        .max_http_header_pool = SS_GUESTS_CONNECTIONS,
+        .fd_limit_per_thread = SS_GUESTS_CONNECTIONS,
         .retry_and_idle_policy = &pings};
     serve->context = lws_create_context(&info);
     serve->vhost = serve->context != NULL ? lws_create_vhost(serve->context, &info) : NULL;
@@ -674,7 +519,7 @@ int32_t ss_serve_port(const ss_serve *serve)
 
 bool ss_serve_run(ss_serve *serve)
 {
-    pace(serve);
+    ss_guests_pace(&serve->guests);
     return lws_service(serve->context, 0) >= 0;
 }
 
