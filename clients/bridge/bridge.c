@@ -230,11 +230,12 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
 
 /* ---- against a server ---- */
 
-/* Whoever told them may not be the server whose forces come now. */
-static void forget_limits(ss_bridge *bridge)
+/* Whoever told the limits may not be the server whose force comes now: it is the first, forces had
+ * stopped, or they are numbered anew. */
+static bool may_be_another(const ss_bridge *bridge, const softsim_force *force, int64_t receive_ns)
 {
-    bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
-    bridge->wants_scene = true;
+    return bridge->heard_ns == 0 || receive_ns - bridge->heard_ns > away_ns ||
+           (int64_t)bridge->force_seq - force->seq > LATE_FORCES;
 }
 
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns)
@@ -244,10 +245,12 @@ void ss_bridge_take_force(void *context, const softsim_force *force, int64_t rec
         return;
     }
     if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
-        if ((int64_t)bridge->force_seq - force->seq > LATE_FORCES) {
-            forget_limits(bridge);
+        if (may_be_another(bridge, force, receive_ns)) {
+            bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
+            bridge->wants_scene = true;
         }
         bridge->force_seq = force->seq;
+        bridge->heard_ns = receive_ns;
     }
     bridge->summary.lost += !ss_bus_send(bridge->forces_in, receive_ns, force);
 }
@@ -284,9 +287,6 @@ static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t ar
     if (bridge->other_since_ns != 0) {
         summary->other_s += 1e-9 * (double)(arrival_ns - bridge->other_since_ns);
         bridge->other_since_ns = 0;
-    }
-    if (summary->has_stopped || summary->forces == 0) {
-        forget_limits(bridge);
     }
     if (summary->has_stopped) {
         tell(bridge, "forces again at %.1f s, after %.1f s",

@@ -80,7 +80,8 @@ typedef struct ss_bridge {
     double device_force[3];  /* exerted since the last tick */
     double applied_world[3]; /* the same, world axes */
     int32_t answered_seq;    /* of the newest pose that was answered */
-    int32_t force_seq;       /* of the force that came last */
+    int32_t force_seq;       /* of the force that came last, */
+    int64_t heard_ns;        /* and when, before the simulated bus; 0: none has */
     ss_indentation indentation;
     double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */

@@ -56,11 +56,16 @@ TEST(the_bridge_s_own_damping_stays_within_the_limit_and_does_not_pull)
     assert_near(done.least, 0.0, 0.0);
 }
 
-/* A server that counts its forces from 1 again may be another one. */
-TEST(limits_are_forgotten_when_a_server_starts_again)
+/* The first force, one after a quarter of a second without any, and one numbered from 1 again may
+ * be of another server. */
+TEST(limits_are_forgotten_when_another_server_may_answer)
 {
-    static const int32_t seqs[] = {5000, 5001, 4990, 5002, 1, 2, INT32_MIN, 1};
-    static const bool are_anew[] = {false, false, false, false, true, false, true, false};
+    static const struct {
+        int32_t seq, ms;
+        bool is_anew;
+    } forces[] = {{5000, 1, true}, {5001, 2, false}, {4990, 3, false},     {5002, 4, false},
+                  {1, 5, true},    {2, 6, false},    {INT32_MIN, 7, true}, {1, 8, false},
+                  {2, 258, false}, {3, 509, true},   {4, 510, false}};
     static ss_bridge bridge;
     const ss_device device = {.period_s = 1e-3};
     const ss_bridge_config config = {.tick_count = 100};
@@ -68,13 +73,13 @@ TEST(limits_are_forgotten_when_a_server_starts_again)
     ss_frame frame;
     ss_frame_init(&frame, "x,y,z", "0,0,0", 1.0, 1.0, &error);
     assert_int_equal(ss_bridge_init(&bridge, &config, &frame, &device, &error), SOFTSIM_OK);
-    for (size_t i = 0; i < sizeof seqs / sizeof *seqs; ++i) {
-        const softsim_force force = {.seq = seqs[i], .pose_seq = 1};
+    for (size_t i = 0; i < sizeof forces / sizeof *forces; ++i) {
+        const softsim_force force = {.seq = forces[i].seq, .pose_seq = 1};
         bridge.wants_scene = false;
         bridge.corrector.limits.force_n = 8.0;
-        ss_bridge_take_force(&bridge, &force, 1000000LL * (int64_t)(i + 1));
-        assert_int_equal(bridge.wants_scene, are_anew[i]);
-        assert_near(bridge.corrector.limits.force_n, are_anew[i] ? 0.0 : 8.0, 0.0);
+        ss_bridge_take_force(&bridge, &force, 1000000LL * forces[i].ms);
+        assert_int_equal(bridge.wants_scene, forces[i].is_anew);
+        assert_near(bridge.corrector.limits.force_n, forces[i].is_anew ? 0.0 : 8.0, 0.0);
     }
     ss_bridge_fini(&bridge);
 }
