@@ -261,6 +261,9 @@ static bool write_out(ss_output *output)
 {
     errno = 0;
     bool is_good = output->reason == 0 && ferror(output->file) == 0 && fflush(output->file) == 0;
+    if (is_good && output->is_reserved) {
+        is_good = ftruncate(output->descriptor, lseek(output->descriptor, 0, SEEK_CUR)) == 0;
+    }
     if (is_good && fsync(output->descriptor) != 0) {
         is_good = errno == EINVAL || errno == EROFS; /* what cannot be synced: pipes, /dev/null */
     }
@@ -316,6 +319,17 @@ softsim_status ss_output_commit(ss_output *output, softsim_error *error)
     }
     forget(output);
     return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_FILE;
+}
+
+softsim_status ss_output_reserve(ss_output *output, int64_t bytes, softsim_error *error)
+{
+    if (output->temporary == NULL) {
+        return SOFTSIM_OK;
+    }
+    const int reason = posix_fallocate(output->descriptor, 0, (off_t)bytes);
+    output->is_reserved = true;
+    output->reason = reason != EINTR ? reason : 0; /* by a signal: without the room */
+    return output->reason == 0 ? SOFTSIM_OK : ss_output_commit(output, error);
 }
 
 void ss_output_keep(ss_output *output, softsim_error *error)

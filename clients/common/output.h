@@ -32,6 +32,7 @@ typedef struct ss_output {
     char *temporary; /* NULL: written in place */
     int descriptor;  /* of `file` */
     int reason;      /* errno of the write that failed; 0: none has. Not to be moved while open */
+    bool is_reserved;
 
     /* of a recording */
     bool is_recording;
@@ -45,6 +46,10 @@ typedef struct ss_output {
 
 /* A result. Leaves `output` closed on failure. */
 softsim_status ss_output_open(ss_output *output, const char *path, softsim_error *error);
+/* Right after the opening of a result that comes of long work: takes room for about `bytes`, so
+ * that a full disk is told before the work and not after it; what is not needed is given back at
+ * the commit. Nothing for what is written in place. Leaves `output` closed on failure. */
+softsim_status ss_output_reserve(ss_output *output, int64_t bytes, softsim_error *error);
 /* A recording, the same way. */
 softsim_status ss_output_record(ss_output *output, const char *path, softsim_error *error);
 /* After each row of a recording: flushes when a second has passed or much has gathered. False once

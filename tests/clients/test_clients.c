@@ -311,6 +311,7 @@ TEST(output_is_complete_or_absent)
 {
     softsim_error error = {.status = SOFTSIM_OK};
     ss_output output;
+    struct stat found;
     const char *path = in_folder("out.txt");
     assert_int_equal(ss_output_open(&output, path, &error), SOFTSIM_OK);
     fputs("half", output.file);
@@ -320,6 +321,12 @@ TEST(output_is_complete_or_absent)
     assert_int_equal(ss_output_open(&output, path, &error), SOFTSIM_OK);
     assert_int_equal(ss_output_commit(&output, &error), SOFTSIM_OK);
     assert_int_equal(access(path, F_OK), 0);
+    assert_int_equal(ss_output_open(&output, path, &error), SOFTSIM_OK);
+    assert_int_equal(ss_output_reserve(&output, 100000, &error), SOFTSIM_OK);
+    fputs("less", output.file);
+    assert_int_equal(ss_output_commit(&output, &error), SOFTSIM_OK);
+    assert_int_equal(stat(path, &found), 0);
+    assert_int_equal(found.st_size, 4); /* what was not needed is given back */
     assert_int_equal(ss_output_open(&output, in_folder("no/such"), &error), SOFTSIM_ERROR_FILE);
     assert_int_equal(ss_output_commit(&output, &error), SOFTSIM_OK); /* not open: nothing */
     const int full = open("/dev/full", O_WRONLY | O_CLOEXEC);

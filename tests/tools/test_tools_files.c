@@ -322,6 +322,54 @@ TEST(a_full_disk_is_named_by_each_result)
     }
 }
 
+/* It takes room for its results before it works: status 2, as all that is wrong at the start. */
+TEST(a_full_disk_is_told_before_a_fit)
+{
+    static const char *const calls[] = {"--out full.yaml", "--out /dev/null --fitted full.yaml"};
+    char out[4096], command[512];
+    if (!has_program("softsim-fit")) {
+        skip();
+    }
+    write_inputs();
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; ++i) {
+        (void)snprintf(command, sizeof command,
+                       "{ ulimit -f 0 && timeout 900 " BIN_DIR "/softsim-fit --scene scene.yaml "
+                       "--curve curve.csv %s; status=$?; ls full.*; exit $status; }",
+                       calls[i]);
+        const int status = run(command, out, sizeof out);
+        if (status != 2 || strstr(out, "full.yaml: cannot write: ") == NULL ||
+            strstr(out, "full.yaml.") != NULL) {
+            fail_msg("%s: status %d: %s", command, status, out);
+        }
+    }
+}
+
+/* Stopped as soon as its drafts are there, it takes them along, and its folder of scenes. */
+TEST(a_stopped_fit_leaves_nothing)
+{
+    static const char *const calls[] = {"--curve curve.csv --fitted fitted.csv",
+                                        "--case " SOURCE_DIR "/tests/reference/b_cantilever"};
+    char out[4096], command[1024];
+    if (!has_program("softsim-fit")) {
+        skip();
+    }
+    write_inputs();
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; ++i) {
+        (void)snprintf(command, sizeof command,
+                       "{ mkdir -p scratch && export TMPDIR=\"$PWD/scratch\" && " BIN_DIR
+                       "/softsim-fit --scene scene.yaml %s --out fit.yaml & pid=$!; "
+                       "while ! ls fit.yaml.*.tmp >seen 2>&1 && kill -0 $pid; do sleep 0.02; done; "
+                       "kill -TERM $pid; wait $pid; status=$?; "
+                       "echo left:; find . -name 'fit*' -o -path './scratch/*'; exit $status; }",
+                       calls[i]);
+        const int status = run(command, out, sizeof out);
+        if (status != 1 || strstr(out, ": stopped before the end") == NULL ||
+            strcmp(strstr(out, "left:"), "left:\n") != 0) {
+            fail_msg("%s: status %d: %s", command, status, out);
+        }
+    }
+}
+
 /* Neither a killed shell nor Ctrl-C: the program's own end, which closes and names the files. */
 TEST(a_stopped_run_leaves_its_rows)
 {

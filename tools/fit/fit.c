@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "process.h"
 #include "rt/memory.h"
 #include "rt/printer.h"
 
@@ -92,6 +93,9 @@ static bool evaluate(void *context, const double *x, bool is_rough, double *out)
     trial *t = context;
     ss_fit *fit = t->fit;
     double value[SS_FIT_MAX_PARAMETERS];
+    if (ss_process_is_stopped()) { /* the search comes to its end without further runs */
+        return false;
+    }
     for (int32_t i = 0; i < fit->parameter_count; ++i) {
         value[i] = fmax(fit->parameter[i].min, fmin(fit->parameter[i].max, exp(x[i])));
     }
@@ -169,7 +173,7 @@ softsim_status ss_fit_run(ss_fit *fit, softsim_error *error)
         s->lower[i] = log(fit->parameter[i].min);
         s->upper[i] = log(fit->parameter[i].max);
     }
-    if (!ss_solve_run(s)) {
+    if (!ss_solve_run(s) && !ss_process_is_stopped()) {
         if (error->fault_count == 0) {
             softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "the search could not be made");
         }
@@ -181,7 +185,7 @@ softsim_status ss_fit_run(ss_fit *fit, softsim_error *error)
         fit->value[i] =
             fmax(fit->parameter[i].min, fmin(fit->parameter[i].max, strtod(text, NULL)));
     }
-    return measure(fit, fit->value, error);
+    return measure(fit, fit->value, error); /* says so where it was stopped */
 }
 
 void ss_fit_fini(ss_fit *fit)

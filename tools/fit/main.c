@@ -8,16 +8,22 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "fit.h"
 #include "output.h"
+#include "process.h"
 #include "rt/args.h"
 #include "rt/files.h"
 #include "rt/program.h"
 #include "rt/progress.h"
 #include "world/world.h"
 
-enum { FARTHEST_M = 1000 }; /* places beyond are a unit error, as in pose paths */
+enum {
+    FARTHEST_M = 1000, /* places beyond are a unit error, as in pose paths */
+    TOLD_SIZE = 8192,  /* bytes: what was found, at the head of the new scene */
+    ROW_SIZE = 64      /* of --fitted, at most */
+};
 
 static const char about[] =
     "Finds the parameters of a scene's model that repeat measured curves.\n\n"
@@ -297,6 +303,27 @@ static char *compose(const fit_options *o, const ss_fit *fit, softsim_error *err
     return whole;
 }
 
+/* Opens the results and takes room for them before the work, so that it is not for nothing. */
+static softsim_status open_outputs(const fit_options *o, const ss_fit *fit, ss_output *scene,
+                                   ss_output *fitted, softsim_error *error)
+{
+    struct stat known = {.st_size = 0};
+    int64_t rows = 1;
+    for (int32_t c = 0; c < fit->curve_count; ++c) {
+        rows += fit->curve[c].count;
+    }
+    (void)stat(o->scene, &known); /* it has been read */
+    softsim_status status = ss_output_open(scene, o->out, error);
+    if (status == SOFTSIM_OK) {
+        status = ss_output_reserve(scene, known.st_size + TOLD_SIZE, error);
+    }
+    if (status == SOFTSIM_OK && o->fitted) {
+        status = ss_output_open(fitted, o->fitted, error);
+        status = status == SOFTSIM_OK ? ss_output_reserve(fitted, rows * ROW_SIZE, error) : status;
+    }
+    return status;
+}
+
 static softsim_status write_scene(const fit_options *o, const ss_fit *fit, ss_output *output,
                                   softsim_error *error)
 {
@@ -333,20 +360,18 @@ int main(int argc, char **argv)
     if (!ss_args_may_run(argv[0], parse(argc, argv, &options, &error), &error, &exit_code)) {
         return ss_program_finish(argv[0], exit_code);
     }
+    ss_process_catch_stop(); /* what it writes beside its results goes with it */
     fit.progress = show_progress;
     ss_progress_begin("softsim-fit", "0 evaluations");
     ss_progress_stage("0 evaluations");
     softsim_status status = plan(&options, &fit, &levels, &error);
-    if (status == SOFTSIM_OK) { /* before the work, so that it is not for nothing */
-        status = ss_output_open(&out, options.out, &error);
-    }
-    if (status == SOFTSIM_OK && options.fitted) {
-        status = ss_output_open(&fitted, options.fitted, &error);
+    if (status == SOFTSIM_OK) {
+        status = open_outputs(&options, &fit, &out, &fitted, &error);
     }
     exit_code = status == SOFTSIM_OK ? 0 : 2;
     if (status == SOFTSIM_OK) {
         status = ss_fit_run(&fit, &error);
-        exit_code = status != SOFTSIM_OK && fit.solve.evaluations <= 1 ? 2 : 1;
+        exit_code = fit.solve.evaluations <= 1 && !ss_process_is_stopped() ? 2 : 1;
     }
     ss_progress_end();
     if (status == SOFTSIM_OK) {

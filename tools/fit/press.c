@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "process.h"
 #include "rt/vec.h"
 #include "world/world.h"
 
@@ -432,6 +433,10 @@ static softsim_status run(ss_world *world, const ss_press *press, const ss_curve
     ss_tool_pose reached;
     place_tool(press, 0.0, &reached);
     for (int32_t k = 0; next < curve->count; ++k) {
+        if (ss_process_is_stopped()) {
+            softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "stopped before the end");
+            return SOFTSIM_ERROR_SYSTEM;
+        }
         const double share = fmin((k + 1) * h / press->press_s, 1.0);
         if (press->probe >= 0) {
             ss_model_tool *mine = &tool[press->probe];
