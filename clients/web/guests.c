@@ -79,7 +79,8 @@ static bool has_spoken(struct lws *wsi)
     return recv(lws_get_socket_fd(wsi), &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
 }
 
-/* Who takes a file gets on; the library sends recordings without saying so. True where any does. */
+/* Who takes a file gets on, also on a link that is slower than the kernel's buffer. True where any
+ * does. */
 static bool note_takers(ss_guests *guests)
 {
     bool is_any = false;

@@ -3,13 +3,14 @@
 #include "serve.h"
 
 #include <libwebsockets.h>
-#include <linux/tcp.h> /* of tcp_info netinet's has the beginning alone */
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 #include "guests.h"
 #include "rt/memory.h"
@@ -44,8 +45,10 @@ struct ss_serve {
 
 /* Of one connection; zero at first. */
 struct browser {
-    /* HTTP: what is left to send of a file */
-    const unsigned char *at, *end;
+    /* HTTP: what is left to send of a file: of the page, or of a recording */
+    const unsigned char *at;
+    FILE *recording; /* NULL: of the page */
+    int64_t left;
     /* WebSocket */
     bool is_open;
     ss_hub_view view;
@@ -166,18 +169,41 @@ static int refuse(struct lws *wsi, unsigned code)
     return -1;
 }
 
-static int begin_file(const ss_serve *serve, struct lws *wsi, browser *b, const ss_page_file *file)
+static void drop_file(browser *b)
+{
+    if (b->recording != NULL) {
+        (void)fclose(b->recording);
+        b->recording = NULL;
+    }
+    b->left = 0;
+}
+
+static int end_file(struct lws *wsi, browser *b)
+{
+    drop_file(b);
+    return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
+}
+
+/* Sends the head of a file of `b->left` bytes. Recordings go the same way as the page: the
+ * library's own (4.1.6) is cut short when who has asked for one half-closes. */
+static int begin_file(const ss_serve *serve, struct lws *wsi, browser *b, const char *type)
 {
     unsigned char head[LWS_PRE + 2048];
     unsigned char *at = head + LWS_PRE, *end = head + sizeof head - 1;
-    if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, file->type,
-                                    (lws_filepos_t)(file->end - file->begin), &at, end) != 0 ||
+    static const char name[] = "content-disposition:", as_file[] = "attachment";
+    if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, type, (lws_filepos_t)b->left, &at, end) !=
+            0 ||
         (serve->token[0] != '\0' && add_cookie(serve, wsi, &at, end) != 0) ||
+        (b->recording != NULL &&
+         lws_add_http_header_by_name(wsi, (const unsigned char *)name,
+                                     (const unsigned char *)as_file, (int)sizeof as_file - 1, &at,
+                                     end) != 0) ||
         lws_finalize_write_http_header(wsi, head + LWS_PRE, &at, end) != 0) {
         return -1;
     }
-    b->at = file->begin;
-    b->end = file->end;
+    if (b->left == 0) {
+        return end_file(wsi, b);
+    }
     lws_callback_on_writable(wsi);
     return 0;
 }
@@ -185,32 +211,59 @@ static int begin_file(const ss_serve *serve, struct lws *wsi, browser *b, const 
 static int send_file(ss_serve *serve, struct lws *wsi, browser *b)
 {
     unsigned char chunk[LWS_PRE + CHUNK];
-    if (b->at == NULL) {
+    if (b->left == 0) {
         return 0;
     }
-    const size_t left = (size_t)(b->end - b->at);
-    const size_t size = left < CHUNK ? left : CHUNK;
-    memcpy(chunk + LWS_PRE, b->at, size);
-    b->at += size;
+    const size_t size = b->left < CHUNK ? (size_t)b->left : CHUNK;
+    if (b->recording == NULL) {
+        memcpy(chunk + LWS_PRE, b->at, size);
+        b->at += size;
+    } else if (fread(chunk + LWS_PRE, 1, size, b->recording) != size) {
+        return -1;
+    }
+    b->left -= (int64_t)size;
     ss_guests_note(&serve->guests, wsi);
     ss_guests_note_progress(&serve->guests);
-    const bool is_last = b->at == b->end;
+    const bool is_last = b->left == 0;
     if (lws_write(wsi, chunk + LWS_PRE, size, is_last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
         (int)size) {
         return -1;
     }
     if (is_last) {
-        b->at = NULL;
-        return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
+        return end_file(wsi, b);
     }
     lws_callback_on_writable(wsi);
     return 0;
 }
 
-static int serve_file(ss_serve *serve, struct lws *wsi, browser *b)
+/* Finds what `path` names: bytes in memory, or an open recording. False where there is none. */
+static bool find_file(const ss_serve *serve, const char *path, browser *b, const char **out_type)
 {
     static const char recordings[] = "/recordings/";
+    struct stat found;
+    const ss_page_file *file = ss_page_find(path);
+    if (file != NULL) {
+        b->at = file->begin;
+        b->left = (int64_t)(file->end - file->begin);
+        *out_type = file->type;
+        return true;
+    }
+    const char *recording = strncmp(path, recordings, sizeof recordings - 1) == 0
+                                ? ss_hub_recording(serve->hub, path + sizeof recordings - 1)
+                                : NULL;
+    b->recording = recording != NULL ? fopen(recording, "rbe") : NULL;
+    if (b->recording == NULL) {
+        return false;
+    }
+    b->left = fstat(fileno(b->recording), &found) == 0 ? (int64_t)found.st_size : 0;
+    *out_type = "application/octet-stream";
+    return true;
+}
+
+static int serve_file(ss_serve *serve, struct lws *wsi, browser *b)
+{
     char path[PATH_SIZE] = "";
+    const char *type = NULL;
     ss_guests_note(&serve->guests, wsi);
     if (!is_own_origin(serve, wsi) || !has_token(serve, wsi)) {
         return refuse(wsi, HTTP_STATUS_FORBIDDEN);
@@ -218,20 +271,8 @@ static int serve_file(ss_serve *serve, struct lws *wsi, browser *b)
     if (lws_hdr_copy(wsi, path, sizeof path, WSI_TOKEN_GET_URI) < 1) {
         return refuse(wsi, HTTP_STATUS_METHOD_NOT_ALLOWED);
     }
-    const ss_page_file *file = ss_page_find(path);
-    if (file != NULL) {
-        return begin_file(serve, wsi, b, file);
-    }
-    const char *recording = strncmp(path, recordings, sizeof recordings - 1) == 0
-                                ? ss_hub_recording(serve->hub, path + sizeof recordings - 1)
-                                : NULL;
-    if (recording == NULL) {
-        return refuse(wsi, HTTP_STATUS_NOT_FOUND);
-    }
-    static const char as_file[] = "content-disposition: attachment\x0d\x0a";
-    const int sent = lws_serve_http_file(wsi, recording, "application/octet-stream", as_file,
-                                         (int)sizeof as_file - 1);
-    return sent < 0 || (sent > 0 && lws_http_transaction_completed(wsi) != 0) ? -1 : 0;
+    return find_file(serve, path, b, &type) ? begin_file(serve, wsi, b, type)
+                                            : refuse(wsi, HTTP_STATUS_NOT_FOUND);
 }
 
 /* ---- messages of a browser ---- */
@@ -413,8 +454,11 @@ static int handle(struct lws *wsi, enum lws_callback_reasons reason, void *user,
         return serve_file(serve, wsi, b);
     case LWS_CALLBACK_HTTP_WRITEABLE:
         return send_file(serve, wsi, b);
-    case LWS_CALLBACK_HTTP_FILE_COMPLETION:
-        return lws_http_transaction_completed(wsi) != 0 ? -1 : 0;
+    case LWS_CALLBACK_CLOSED_HTTP:
+        if (b != NULL) { /* who has asked for nothing has none */
+            drop_file(b);
+        }
+        return 0;
     case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
         return judge_upgrade(serve, wsi);
     case LWS_CALLBACK_ESTABLISHED:

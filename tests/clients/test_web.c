@@ -351,17 +351,10 @@ TEST_WITH(a_recording_can_be_fetched_and_read, NULL, end_web)
     stop_browsed(fd);
 }
 
-/* Connections that come and say nothing put out each other, not who takes a file at his own pace.
- */
-TEST_WITH(who_takes_a_recording_gets_the_whole, NULL, end_web)
+/* Makes a recording, and that larger than what waits in the kernel; the request for it. */
+static void make_large_recording(int fd, int64_t size, char out_request[256])
 {
-    enum { MORE = 24 << 20, SILENT = 120, CHUNK = 1 << 16 };
-    static char chunk[CHUNK];
-    char path[512], request[256];
-    int silent[SILENT];
-    int64_t size = 0;
-    start_web("127.0.0.1", NULL, folder);
-    const int fd = open_browser();
+    char path[512];
     send_line(fd, "record 1");
     expect_text(fd, "\"type\": \"recording\", \"is_recording\": true");
     send_line(fd, "record 0");
@@ -369,12 +362,26 @@ TEST_WITH(who_takes_a_recording_gets_the_whole, NULL, end_web)
     const char *name = strstr((const char *)message, "softsim-");
     const int length = (int)strcspn(name, "\"");
     snprintf(path, sizeof path, "%s/%.*s", folder, length, name);
-    assert_int_equal(truncate(path, MORE), 0); /* more than waits in the kernel */
-    const int taker = dial();
-    snprintf(request, sizeof request,
+    assert_int_equal(truncate(path, size), 0);
+    snprintf(out_request, 256,
              "GET /recordings/%.*s HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n",
              length, name);
-    assert_true(send(taker, request, strlen(request), MSG_NOSIGNAL) > 0);
+}
+
+/* Connections that come and say nothing put out each other, not who takes a file at his own pace.
+ */
+TEST_WITH(who_takes_a_recording_gets_the_whole, NULL, end_web)
+{
+    enum { MORE = 24 << 20, SILENT = 120, CHUNK = 1 << 16 };
+    static char chunk[CHUNK];
+    char request[256];
+    int silent[SILENT];
+    int64_t size = 0;
+    start_web("127.0.0.1", NULL, folder);
+    const int fd = open_browser();
+    make_large_recording(fd, MORE, request);
+    const int taker = dial();
+    assert_true(say(taker, request, strlen(request)));
     for (int k = 0; size < MORE; ++k) {
         const ssize_t got = recv(taker, chunk, sizeof chunk, 0);
         assert_true(got > 0);
@@ -387,6 +394,68 @@ TEST_WITH(who_takes_a_recording_gets_the_whole, NULL, end_web)
         close(silent[k]);
     }
     close(taker);
+    stop_browsed(fd);
+}
+
+/* As `nc -N` does: the request is all that it has to say. */
+TEST_WITH(who_half_closes_after_a_request_gets_the_whole_file, NULL, end_web)
+{
+    enum { MORE = 24 << 20, CHUNK = 1 << 16 };
+    static const char page[] =
+        "GET /app.js HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n";
+    static char chunk[CHUNK];
+    char requests[2][256];
+    start_web("127.0.0.1", NULL, folder);
+    const int fd = open_browser();
+    make_large_recording(fd, MORE, requests[0]);
+    memcpy(requests[1], page, sizeof page);
+    for (int k = 0; k < 2; ++k) {
+        int64_t size = 0, length = 0;
+        const int taker = dial();
+        assert_true(say(taker, requests[k], strlen(requests[k])));
+        shutdown(taker, SHUT_WR);
+        assert_int_equal(hear_head(taker, chunk, sizeof chunk), 200);
+        const char *told = strcasestr(chunk, "content-length: ");
+        assert_non_null(told);
+        assert_int_equal(sscanf(told + sizeof "content-length:", "%" SCNd64, &length), 1);
+        for (ssize_t got = 1; got > 0; size += got > 0 ? got : 0) {
+            got = recv(taker, chunk, sizeof chunk, 0);
+        }
+        assert_int_equal(size, length);
+        close(taker);
+    }
+    stop_browsed(fd);
+}
+
+/* However it goes, in the middle of a recording or after one that is empty, no file stays open. */
+TEST_WITH(a_recording_is_closed_when_its_taker_goes, NULL, end_web)
+{
+    enum { MORE = 24 << 20, TAKERS = 20 };
+    char request[256], head[4096];
+    int taker[TAKERS];
+    start_web("127.0.0.1", NULL, folder);
+    const int fd = open_browser();
+    assert_int_equal(get("/", ""), 200);
+    const int files = open_files();
+    for (int64_t size = 0; size <= MORE; size += MORE) {
+        make_large_recording(fd, size, request);
+        for (int k = 0; k < TAKERS; ++k) {
+            taker[k] = dial();
+            assert_true(say(taker[k], request, strlen(request)));
+            assert_int_equal(hear_head(taker[k], head, sizeof head), 200);
+        }
+        assert_true(size == 0 || open_files() >= files + 2 * TAKERS);
+        for (int k = 0; k < TAKERS; ++k) {
+            if (k % 2 == 0) {
+                cut(taker[k]);
+            } else {
+                close(taker[k]);
+            }
+        }
+        while (open_files() > files) {
+            assert_int_equal(get("/", ""), 200);
+        }
+    }
     stop_browsed(fd);
 }
 

@@ -6,7 +6,6 @@
  */
 #include "common/test.h"
 
-#include <dirent.h>
 #include <math.h>
 #include <poll.h>
 
@@ -93,20 +92,6 @@ static uint64_t random_state;
 static int draw(int below)
 {
     return (int)ss_random_below(&random_state, (uint32_t)below);
-}
-
-static int open_files(void)
-{
-    char path[64];
-    int count = 0;
-    snprintf(path, sizeof path, "/proc/%d/fd", (int)web.pid);
-    DIR *folder_ = opendir(path);
-    assert_non_null(folder_);
-    while (readdir(folder_) != NULL) {
-        ++count;
-    }
-    closedir(folder_);
-    return count;
 }
 
 /* A request of a hostile kind, then some of its bytes turned, doubled or cut off. */

@@ -3,6 +3,7 @@
 #pragma once
 /* softsim-web beside a real daemon, and a browser that is a socket of ours. cmocka comes first. */
 #include <arpa/inet.h>
+#include <dirent.h>
 #include <netinet/in.h>
 #include <signal.h>
 #include <stdio.h>
@@ -322,6 +323,21 @@ static inline int stop_all(void **state)
     process_signal(&server, SIGTERM);
     remove_folder(state);
     return process_finish(&server);
+}
+
+/* Of softsim-web. */
+static inline int open_files(void)
+{
+    char path[64];
+    int count = 0;
+    snprintf(path, sizeof path, "/proc/%d/fd", (int)web.pid);
+    DIR *folder_ = opendir(path);
+    assert_non_null(folder_);
+    while (readdir(folder_) != NULL) {
+        ++count;
+    }
+    closedir(folder_);
+    return count;
 }
 
 /* Goes without a goodbye: the server is told of a broken connection. */
