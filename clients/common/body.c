@@ -12,53 +12,67 @@ enum { TOPOLOGY_FRAME = 1, DELTA_FRAME = 2, FIELD_FRAME = 3 };
 
 void ss_body_free(ss_body_view *body)
 {
-    void *const owned[] = {
-        body->rest,         body->triangle,    body->flag,  body->has_node, body->has_triangle,
-        body->displacement, body->node_change, body->newer, body->older,    body->field};
-    for (size_t i = 0; i < sizeof owned / sizeof owned[0]; ++i) {
-        free(owned[i]);
-    }
+    free(body->block);
     *body = (ss_body_view){.generation = body->generation, .change = body->change, .newest = -1};
 }
 
+/* Touches no more of the memory than was touched before: of the nodes that have moved. */
 void ss_body_begin_session(ss_body_view *body)
 {
     if (body->topology == 0) {
         return;
     }
-    const size_t nodes = (size_t)body->node_count;
-    memset(body->displacement, 0, nodes * sizeof body->displacement[0]);
-    memset(body->node_change, 0, nodes * sizeof body->node_change[0]);
-    memset(body->field, 0, nodes * sizeof body->field[0]);
+    for (int32_t node = body->newest; node >= 0; node = body->older[node]) {
+        memset(body->displacement[node], 0, sizeof body->displacement[0]);
+        body->node_change[node] = 0;
+    }
+    if (body->field_change != 0) {
+        memset(body->field, 0, (size_t)body->node_count * sizeof body->field[0]);
+    }
     body->newest = -1;
     body->field_change = 0;
     body->generation += body->is_complete ? 1 : 0;
+}
+
+/* The next part of a block. */
+static void *take_part(uint8_t **at, size_t count, size_t size)
+{
+    void *part = *at;
+    *at += count * size;
+    return part;
+}
+
+/* All arrays in one block. The message that begins a topology may be forged, and announces up to
+ * 260 MB: a block of more than 32 MB is the system's own, zero, and becomes memory where it is
+ * written, so that a body costs what has come of it. Arrays of their own, below that size, are
+ * cleared by the C library once a block like them was freed, and cost all that is announced. */
+static bool get_memory(ss_body_view *body, size_t nodes, size_t triangles)
+{
+    enum { NODE = 38, TRIANGLE = 13 }; /* bytes */
+    body->block = calloc(1, nodes * NODE + triangles * TRIANGLE);
+    if (body->block == NULL) {
+        return false;
+    }
+    uint8_t *at = body->block;
+    body->node_change = take_part(&at, nodes, sizeof body->node_change[0]);
+    body->rest = take_part(&at, nodes, sizeof body->rest[0]);
+    body->newer = take_part(&at, nodes, sizeof body->newer[0]);
+    body->older = take_part(&at, nodes, sizeof body->older[0]);
+    body->triangle = take_part(&at, triangles, sizeof body->triangle[0]);
+    body->displacement = take_part(&at, nodes, sizeof body->displacement[0]);
+    body->field = take_part(&at, nodes, sizeof body->field[0]);
+    body->flag = take_part(&at, nodes, 1);
+    body->has_node = take_part(&at, nodes, 1);
+    body->has_triangle = take_part(&at, triangles, 1);
+    return true;
 }
 
 static bool begin_topology(ss_body_view *body, const softsim_topology_chunk *chunk)
 {
     ss_body_free(body);
     if (chunk->node_count < 1 || chunk->node_count > SS_BODY_MAX_NODES ||
-        chunk->triangle_count > SS_BODY_MAX_TRIANGLES) {
-        return false;
-    }
-    const size_t nodes = (size_t)chunk->node_count;
-    const size_t triangles = (size_t)chunk->triangle_count + 1;
-    body->rest = calloc(nodes, sizeof body->rest[0]);
-    body->flag = calloc(nodes, 1);
-    body->has_node = calloc(nodes, 1);
-    body->displacement = calloc(nodes, sizeof body->displacement[0]);
-    body->node_change = calloc(nodes, sizeof body->node_change[0]);
-    body->newer = calloc(nodes, sizeof body->newer[0]);
-    body->older = calloc(nodes, sizeof body->older[0]);
-    body->field = calloc(nodes, sizeof body->field[0]);
-    body->triangle = calloc(triangles, sizeof body->triangle[0]);
-    body->has_triangle = calloc(triangles, 1);
-    if (body->rest == NULL || body->flag == NULL || body->has_node == NULL ||
-        body->displacement == NULL || body->node_change == NULL || body->newer == NULL ||
-        body->older == NULL || body->field == NULL || body->triangle == NULL ||
-        body->has_triangle == NULL) {
-        ss_body_free(body);
+        chunk->triangle_count > SS_BODY_MAX_TRIANGLES ||
+        !get_memory(body, (size_t)chunk->node_count, (size_t)chunk->triangle_count)) {
         return false;
     }
     body->topology = chunk->topology;

@@ -37,6 +37,7 @@ typedef struct ss_body_view {
     bool is_complete;
     int32_t node_count, triangle_count;
     float scale;
+    uint8_t *block; /* has all arrays */
     float (*rest)[3];
     int32_t (*triangle)[3];
     uint8_t *flag;

@@ -5,8 +5,10 @@
 #include "common/test.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "body.h"
 #include "mouse.h"
@@ -217,6 +219,60 @@ TEST_WITH(a_body_of_too_many_nodes_is_not_shown, NULL, forget_body)
     assert_false(ss_body_take_topology(&body, &chunk));
     take_delta(1, 0, 3);
     assert_int_equal(next_frame(&(ss_body_copy){0}), 0);
+}
+
+/* Bytes of memory that this process has touched. */
+static int64_t resident_bytes(void)
+{
+    long long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%*d %lld", &pages), 1);
+    fclose(file);
+    return (int64_t)pages * sysconf(_SC_PAGESIZE);
+}
+
+/* Forged messages that announce the largest body and bring one node of it, one after the other; a
+ * server that starts anew between them. */
+TEST_WITH(a_body_costs_what_has_come_of_it, NULL, forget_body)
+{
+    enum { TIMES = 4, MOST = 48 << 20 };
+    static const float rest[3] = {1.0F, 2.0F, 3.0F};
+    static const int32_t file_node = 7;
+    static const uint8_t flag = 1;
+    const int64_t before = resident_bytes();
+    void *between[TIMES]; /* of others: what is freed below does not go back to the system */
+    for (int32_t k = 1; k <= TIMES; ++k) {
+        const softsim_topology_chunk chunk = {.topology = k,
+                                              .node_count = SS_BODY_MAX_NODES,
+                                              .triangle_count = SS_BODY_MAX_TRIANGLES,
+                                              .first_node = SS_BODY_MAX_NODES / 2,
+                                              .node_chunk = 1,
+                                              .scale = 1.0F,
+                                              .file_node = &file_node,
+                                              .node_flag = &flag,
+                                              .rest = rest};
+        assert_true(ss_body_take_topology(&body, &chunk));
+        between[k - 1] = malloc(2000);
+        take_delta(k, SS_BODY_MAX_NODES - 1, 9);
+        ss_body_begin_session(&body);
+        const int64_t cost = resident_bytes() - before;
+        if (cost > MOST) {
+            fail_msg("%.1f MB after %d messages", 1e-6 * (double)cost, k);
+        }
+    }
+    for (int32_t k = 0; k < TIMES; ++k) {
+        free(between[k]);
+    }
+    /* What was told before a session is forgotten all the same. */
+    ss_body_copy copy = {0};
+    take_chunk(TIMES + 1, 0, 6, 0, 4);
+    take_delta(TIMES + 1, 2, 9);
+    ss_body_begin_session(&body);
+    assert_int_equal(next_frame(&copy), 1);
+    assert_int_equal(next_frame(&copy), 0);
+    take_delta(TIMES + 1, 2, 0);
+    assert_int_equal(next_frame(&copy), 0);
 }
 
 TEST_WITH(a_field_goes_to_the_nodes_that_it_names, NULL, forget_body)
