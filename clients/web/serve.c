@@ -22,7 +22,8 @@ enum {
     LINES_BURST = 200,
     BROWSERS = 32,
     UNSENT = 16384, /* bytes for a browser that wait in the kernel */
-    CHUNK = 16384,  /* bytes of a file at once */
+    CHUNK = 65536,  /* bytes of a file at once */
+    TAKING_S = 10,  /* for each of them */
     PATH_SIZE = 256,
     COOKIES_SIZE = 4096, /* as much as the library takes of a header */
     REFUSED = 1          /* of callbacks: answered already */
@@ -159,6 +160,16 @@ static bool is_own_origin(const ss_serve *serve, struct lws *wsi)
            strcmp(origin + sizeof scheme - 1, host) == 0;
 }
 
+/* The system takes more only when little is left of what was written before. On a slow link a new
+ * frame so waits here, where the newest is sent, and not there, behind all that is old; and a file
+ * is written piece by piece as it is taken, not megabytes at once with a long time between. */
+static void keep_little_unsent(struct lws *wsi)
+{
+    const int unsent = UNSENT;
+    (void)setsockopt(lws_get_socket_fd(wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent,
+                     sizeof unsent);
+}
+
 /* ---- files ---- */
 
 /* And closes, which the library has no way to say in the head: of requests that have come behind
@@ -204,6 +215,7 @@ static int begin_file(const ss_serve *serve, struct lws *wsi, browser *b, const 
     if (b->left == 0) {
         return end_file(wsi, b);
     }
+    keep_little_unsent(wsi);
     lws_callback_on_writable(wsi);
     return 0;
 }
@@ -224,6 +236,7 @@ static int send_file(ss_serve *serve, struct lws *wsi, browser *b)
     b->left -= (int64_t)size;
     ss_guests_note(&serve->guests, wsi);
     ss_guests_note_progress(&serve->guests);
+    lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, TAKING_S);
     const bool is_last = b->left == 0;
     if (lws_write(wsi, chunk + LWS_PRE, size, is_last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) <
         (int)size) {
@@ -382,15 +395,6 @@ static int tell(ss_serve *serve, struct lws *wsi, browser *b)
     free(message);
     lws_callback_on_writable(wsi);
     return written < (int)size ? -1 : 0;
-}
-
-/* The system takes more of a frame only when little is left of those before, so that on a slow link
- * what is new waits here, where the newest is sent, and not there, behind all that is old. */
-static void keep_little_unsent(struct lws *wsi)
-{
-    const int unsent = UNSENT;
-    (void)setsockopt(lws_get_socket_fd(wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &unsent,
-                     sizeof unsent);
 }
 
 static int open_browser(ss_serve *serve, struct lws *wsi, browser *b)
