@@ -25,6 +25,7 @@ enum {
     CHUNK = 65536,  /* bytes of a file at once */
     TAKING_S = 10,  /* for each of them */
     PATH_SIZE = 256,
+    DISPLACED = 4000,    /* why a WebSocket is closed: another has its place. The page knows it */
     COOKIES_SIZE = 4096, /* as much as the library takes of a header */
     REFUSED = 1          /* of callbacks: answered already */
 };
@@ -38,6 +39,7 @@ struct ss_serve {
     char host[32], token[128];
     bool is_loopback;
     int32_t port;
+    struct lws *browser[BROWSERS];
     int32_t browsers;
     int64_t last_browser;
     atomic_bool is_news;
@@ -56,7 +58,7 @@ struct browser {
     char line[LINE_SIZE + 1];
     size_t length;
     double lines_left;
-    int64_t line_ns;
+    int64_t line_ns; /* of the last line, at first of the opening */
 };
 
 /* ---- permission ---- */
@@ -356,9 +358,19 @@ static bool is_within_rate(browser *b)
     return b->lines_left >= 0.0;
 }
 
+/* With one that has lost its place. */
+static int part_with(struct lws *wsi)
+{
+    lws_close_reason(wsi, (enum lws_close_status)DISPLACED, NULL, 0);
+    return -1;
+}
+
 /* A piece of a message; -1 ends the connection. */
 static int hear(ss_serve *serve, struct lws *wsi, browser *b, const char *data, size_t size)
 {
+    if (!b->is_open) {
+        return part_with(wsi);
+    }
     if (lws_frame_is_binary(wsi) || b->length + size > LINE_SIZE ||
         memchr(data, '\0', size) != NULL) {
         return -1;
@@ -381,6 +393,9 @@ static int tell(ss_serve *serve, struct lws *wsi, browser *b)
 {
     size_t size = 0;
     bool is_text = false;
+    if (!b->is_open) {
+        return part_with(wsi);
+    }
     if (lws_send_pipe_choked(wsi)) {
         lws_callback_on_writable(wsi);
         return 0;
@@ -397,26 +412,52 @@ static int tell(ss_serve *serve, struct lws *wsi, browser *b)
     return written < (int)size ? -1 : 0;
 }
 
+static void close_browser(ss_serve *serve, struct lws *wsi, browser *b)
+{
+    if (!b->is_open) {
+        return;
+    }
+    b->is_open = false;
+    ss_hub_drop(serve->hub, &b->view);
+    for (int32_t i = 0; i < serve->browsers; ++i) {
+        if (serve->browser[i] == wsi) {
+            serve->browser[i] = serve->browser[--serve->browsers];
+            return;
+        }
+    }
+}
+
+/* In a full room the browser that has said nothing for longest gives way, and is a guest until it
+ * has gone. Nobody can tell a page that is only watched from a program that only answers pings, so
+ * both may have to; a page that is used stays. Rejected: to refuse the next, which 32 such programs
+ * would do to everybody for ever. */
+static void make_place(ss_serve *serve)
+{
+    if (serve->browsers < BROWSERS) {
+        return;
+    }
+    struct lws *idle = serve->browser[0];
+    for (int32_t i = 1; i < BROWSERS; ++i) {
+        const browser *b = lws_wsi_user(serve->browser[i]), *most = lws_wsi_user(idle);
+        idle = b->line_ns < most->line_ns ? serve->browser[i] : idle;
+    }
+    close_browser(serve, idle, lws_wsi_user(idle));
+    ss_guests_add(&serve->guests, idle);
+    lws_callback_on_writable(idle);
+}
+
 static int open_browser(ss_serve *serve, struct lws *wsi, browser *b)
 {
+    make_place(serve);
     *b = (browser){.is_open = true,
                    .view = {.browser = ++serve->last_browser},
                    .lines_left = LINES_BURST,
                    .line_ns = softsim_client_now_ns()};
-    ++serve->browsers;
+    serve->browser[serve->browsers++] = wsi;
     ss_guests_remove(&serve->guests, wsi);
     keep_little_unsent(wsi);
     lws_callback_on_writable(wsi);
     return 0;
-}
-
-static void close_browser(ss_serve *serve, browser *b)
-{
-    if (b->is_open) {
-        b->is_open = false;
-        --serve->browsers;
-        ss_hub_drop(serve->hub, &b->view);
-    }
 }
 
 /* 0: it may become a WebSocket. */
@@ -428,7 +469,7 @@ static int judge_upgrade(ss_serve *serve, struct lws *wsi)
         code = HTTP_STATUS_NOT_FOUND;
     } else if (!is_own_origin(serve, wsi) || !has_token(serve, wsi)) {
         code = HTTP_STATUS_FORBIDDEN;
-    } else if (serve->browsers >= BROWSERS || serve->hub == NULL) {
+    } else if (serve->hub == NULL) {
         code = HTTP_STATUS_SERVICE_UNAVAILABLE;
     }
     if (code == 0) {
@@ -472,7 +513,7 @@ static int handle(struct lws *wsi, enum lws_callback_reasons reason, void *user,
     case LWS_CALLBACK_SERVER_WRITEABLE:
         return tell(serve, wsi, b);
     case LWS_CALLBACK_CLOSED:
-        close_browser(serve, b);
+        close_browser(serve, wsi, b);
         return 0;
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
         if (atomic_exchange(&serve->is_news, false)) {

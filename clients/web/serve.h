@@ -20,8 +20,10 @@
  * may be made to resolve to it. The address that is listened to is a name of this machine, and a
  * page of ours comes by http: nothing is encrypted here. With a token, everything but the token's
  * own address (/?token=T, /ws?token=T) is refused; beyond loopback there has to be one. At most 32
- * browsers; one that does not answer a ping in 20 s is gone. Of other connections 48: a new one has
- * the place of the one that has not got on for longest, so that silent ones keep nobody out.
+ * browsers: the one that has said nothing for longest gives way to the next, and is told so (the
+ * WebSocket closes with 4000); one that does not answer a ping in 20 s is gone. Of other
+ * connections 48: a new one has the place of the one that has not got on for longest, so that
+ * silent ones keep nobody out.
  * Thread: main.
  */
 #include <stdbool.h>

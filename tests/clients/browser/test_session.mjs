@@ -225,6 +225,19 @@ await rest(watcher);
 await watcher.close();
 await page.bringToFront();
 
+// In a room of 32 the page that has done nothing for longest gives way, says so, and comes back when it is
+// used; not before, since it would displace another.
+const others = await open(browser, address);
+await others.evaluate(() => { globalThis.crowd = Array.from({ length: 32 }, () => new WebSocket(new URL('/ws', location.href.replace('http', 'ws')))); });
+await page.bringToFront();
+await kind(page, 'displaced');
+assert.equal(await text(page, 'banner-head'), 'Another page has taken this place');
+await page.waitForTimeout(1500); // longer than a lost connection waits for its next try
+await kind(page, 'displaced');
+await page.mouse.click(2, 2);
+await kind(page, 'live');
+await others.close();
+
 // Without softsim-web the page says that, not that the server is gone: also where it only falls silent,
 // as one behind a network that broke.
 web.kill('SIGSTOP');

@@ -4,6 +4,7 @@
 // closes nothing.
 
 const HEAD = 4, RETRY_MS = 1000, QUIET_TICKS = 4; // of RETRY_MS
+const DISPLACED = 4000; // another page has the place of this one: serve.c
 
 function topology(buffer) {
   const head = new DataView(buffer);
@@ -75,15 +76,23 @@ export class Link extends EventTarget {
     this.socket.binaryType = 'arraybuffer';
     this.socket.onmessage = (event) => this.take(event.data);
     this.socket.onopen = () => this.tell('open', {});
-    this.socket.onclose = () => this.close();
+    this.socket.onclose = (event) => this.close(event.code === DISPLACED);
   }
 
-  close() {
+  // A displaced page comes back when it is used: by itself it would displace the next.
+  close(isDisplaced = false) {
     this.socket.onmessage = this.socket.onclose = null;
     this.socket.close();
     this.quiet = 0;
-    this.tell('closed', {});
-    setTimeout(() => this.open(), RETRY_MS);
+    this.tell('closed', { isDisplaced });
+    if (!isDisplaced) {
+      setTimeout(() => this.open(), RETRY_MS);
+      return;
+    }
+    const used = new AbortController();
+    for (const kind of ['pointerdown', 'keydown']) {
+      addEventListener(kind, () => { used.abort(); this.open(); }, { signal: used.signal });
+    }
   }
 
   tell(kind, detail) {

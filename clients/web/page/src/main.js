@@ -43,8 +43,8 @@ function frameAnew() {
 }
 
 link.on('open', () => session.take({ isOpen: true }));
-link.on('closed', () => {
-  session.take({ isOpen: false, isHeard: false, isSilent: false, hasBody: false, run: null });
+link.on('closed', ({ isDisplaced }) => {
+  session.take({ isOpen: false, isDisplaced, isHeard: false, isSilent: false, hasBody: false, run: null });
   hand.takeHolder('nobody', false);
   panel.forgetRecordings();
 });

@@ -1,6 +1,6 @@
 // Whom the page talks to, in plain words: a banner while there is nothing live to see, with what to do.
-//   connecting, lost (no softsim-web), silent (no server), loading (no body of this run's
-//   yet, or none ever), live
+//   connecting, lost (no softsim-web), displaced (by another page), silent (no server), loading (no body
+//   of this run's yet, or none ever), live
 import { $, showBanner } from './page.js';
 
 const command = (scene) => `softsimd ${scene || 'server/scenes/kidney.yaml'}`;
@@ -9,6 +9,7 @@ const SAID = {
   connecting: () => ['Connecting', 'Looking for softsim-web.'],
   lost: ({ address }) => ['softsim-web does not answer', 'This page goes on by itself once it runs again at the same address:',
     `softsim-web --port ${new URL(address).port || 80}`],
+  displaced: () => ['Another page has taken this place', 'softsim-web serves 32 at a time, and this one had done nothing for longest. Click or press a key to take a place again.'],
   silent: ({ scene }) => (scene
     ? ['The server has stopped', 'This page goes on by itself once it runs again:', command(scene)]
     : ['No server yet', 'Start one in a terminal; its body appears here by itself:', command()]),
@@ -19,14 +20,14 @@ const SAID = {
 
 export class Session {
   constructor() {
-    Object.assign(this, { isOpen: null, isSilent: false, isHeard: false, hasBody: false, scene: '', isMeshOff: false, run: null });
+    Object.assign(this, { isOpen: null, isDisplaced: false, isSilent: false, isHeard: false, hasBody: false, scene: '', isMeshOff: false, run: null });
     this.onChange = () => {}; // of its kind
     this.show();
   }
 
   kind() {
     if (this.isOpen === null) return 'connecting';
-    if (!this.isOpen) return 'lost';
+    if (!this.isOpen) return this.isDisplaced ? 'displaced' : 'lost';
     if (this.isSilent || !this.isHeard) return this.isSilent ? 'silent' : 'connecting';
     return this.hasBody && !this.isMeshOff ? 'live' : 'loading';
   }
@@ -45,7 +46,7 @@ export class Session {
 
   show() {
     const kind = this.kind(), isLive = kind === 'live', hasServer = isLive || kind === 'loading';
-    document.title = `softsim: ${{ live: 'live', silent: 'no server', lost: 'gone' }[kind] ?? 'waiting'}`;
+    document.title = `softsim: ${{ live: 'live', silent: 'no server', lost: 'gone', displaced: 'displaced' }[kind] ?? 'waiting'}`;
     document.body.dataset.session = kind;
     for (const part of ['pause', 'reset']) $(part).disabled = !hasServer;
     $('record').disabled = !this.isOpen;
