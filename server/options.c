@@ -49,8 +49,8 @@ ss_args_result ss_options_parse(int argc, char **argv, ss_options *out_options,
                 "takes every command (default without an LCM URL of your own)"),
         SS_FLAG(
             "--takeover", &o.takeover,
-            "ends the server that answers on the prefix and takes its place; without it this one "
-            "refuses to start"),
+            "tells the server that answers on the prefix to end, and starts, also beside one that "
+            "takes no commands; without it this one refuses to start"),
         SS_CHOICE("--realtime", &realtime, "auto|fifo|off",
                   "SCHED_FIFO for the loops: where allowed, always, never (default auto)"),
         {"--threads", SS_ARG_INTEGER, &o.threads, 1, 64, "N",

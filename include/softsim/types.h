@@ -18,6 +18,9 @@
 /* Probes are numbered 0 .. SOFTSIM_MAX_PROBES - 1; the status message has one slot for each. */
 #define SOFTSIM_MAX_PROBES 8
 
+/* m: a pose with a coordinate beyond it is refused, so that no body there can be touched. */
+#define SOFTSIM_FARTHEST_M 100.0
+
 /* One list gives the enum, the names and the texts. */
 #define SOFTSIM_STATUS_LIST(X)                                                                     \
     X(OK, 0, "done")                                                                               \

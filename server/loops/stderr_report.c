@@ -33,7 +33,8 @@ static void log_other_server(ss_stderr_report *report, const ss_judgement *judge
         ss_plain_print(
             stderr,
             "softsimd: warning: another server answers on prefix %s: %s; clients let go while "
-            "they hear both: stop one, or give it another --prefix\n",
+            "they hear both: stop one (where it was started, if it takes no commands), or give it "
+            "another --prefix\n",
             report->prefix, judgement->other);
         report->is_other_server_logged = true;
     }

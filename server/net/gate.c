@@ -44,7 +44,6 @@ static const int64_t FRESH_START_NS = 500000000;
 static const int64_t ANSWER_NS = 100000000;
 static const int64_t MAX_AGE_US = 50000;
 static const double MAX_UNIT_ERROR = 1e-3;
-static const double MAX_POSITION_M = 100.0;
 static const double MAX_VELOCITY_M_S = 1e3;
 static const double MAX_FORCE_N = 1e6;
 
@@ -194,7 +193,7 @@ static softsim_refusal judge_motion(const ss_gate *gate, gate_probe *probe,
     }
     double step[3];
     ss_sub3(step, pose->position, probe->position);
-    if (is_beyond(pose->position, MAX_POSITION_M) ||
+    if (is_beyond(pose->position, SOFTSIM_FARTHEST_M) ||
         (!is_return && ss_norm3(step) > gate->config.max_jump_m)) {
         return SOFTSIM_REFUSED_JUMP;
     }

@@ -6,6 +6,7 @@
  * well-formed: only the sizes, side by side, tell. The bounds are wide, so that no sensible scene
  * is doubted; none of them refuses anything, since a whale and an embryo are bodies too.
  */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -54,6 +55,24 @@ static void tell_repairs(const ss_notes *out, const ss_mesh_repairs *done, bool 
                             ? ""
                             : "; numbers are those of the mended mesh, which softsim-mesh "
                               "convert --repair writes");
+    }
+}
+
+/* Can a hand come to where the body is? */
+static void doubt_place(const ss_notes *out, const ss_mesh *mesh)
+{
+    double farthest = 0.0;
+    for (int32_t i = 0; i < mesh->node_count; ++i) {
+        for (int a = 0; a < 3; ++a) {
+            farthest = fmax(farthest, fabs(mesh->position[i][a]));
+        }
+    }
+    if (farthest > SOFTSIM_FARTHEST_M) {
+        ss_note_warning(out, "object.mesh",
+                        "the body is up to %.4g m from the origin, and poses beyond %g m are "
+                        "refused, so that it cannot be touched there; move the mesh nearer, or "
+                        "are these its file's units?",
+                        farthest, SOFTSIM_FARTHEST_M);
     }
 }
 
@@ -116,6 +135,7 @@ void ss_world_doubt(const ss_world *world, const ss_notes *out)
                         "the body's diagonal is %.4g m; are these the mesh file's units?",
                         diagonal);
     }
+    doubt_place(out, scene->mesh);
     doubt_supports(out, scene);
     doubt_regions(out, scene);
     doubt_coupling(out, scene);

@@ -42,6 +42,9 @@ typedef struct scene_case {
 
 /* A tetrahedron's surface; %-cases change one thing. */
 #define GOOD_MESH "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+#define FAR_MESH                                                                                   \
+    "v 200000 0 0\nv 200010 0 0\nv 200000 10 0\nv 200000 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 "  \
+    "4\n"
 #define OBJECT(name)                                                                               \
     "softsim: 1\nobject: {mesh: " name ", units: mm, fixed: [{nodes: [0, 1, 2]}]}\n"
 #define MODEL "model: {name: cnn-energy, modulus_j: 1}\n"
@@ -148,14 +151,16 @@ TEST(checks_tell_what_is_good_and_what_is_doubtful)
 {
     static process p;
     static const struct {
-        const char *units, *radius_mm, *doubt; /* NULL: none */
+        const char *mesh, *units, *radius_mm, *doubt; /* NULL: none */
     } cases[] = {
-        {"mm", "14", NULL},
-        {"mm", "9", "object.mesh: what is felt is a smooth surface through the mesh"},
-        {"mm", "5", "tool 3 is small beside the mesh"},
-        {"m", "5000", "object.units: the body's diagonal is 17.3"},
-        {"um", "0.005", "object.units: the body's diagonal is 1.7"},
-        {"mm", "5000", "contact.tools, probe 3, sphere.radius_mm: the tool (radius 5000 mm)"},
+        {GOOD_MESH, "mm", "14", NULL},
+        {GOOD_MESH, "mm", "9", "object.mesh: what is felt is a smooth surface through the mesh"},
+        {GOOD_MESH, "mm", "5", "tool 3 is small beside the mesh"},
+        {GOOD_MESH, "m", "5000", "object.units: the body's diagonal is 17.3"},
+        {GOOD_MESH, "um", "0.005", "object.units: the body's diagonal is 1.7"},
+        {GOOD_MESH, "mm", "5000",
+         "contact.tools, probe 3, sphere.radius_mm: the tool (radius 5000 mm)"},
+        {FAR_MESH, "mm", "14", "object.mesh: the body is up to 200 m from the origin"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char scene[1024];
@@ -164,7 +169,7 @@ TEST(checks_tell_what_is_good_and_what_is_doubtful)
                  "model: {name: cnn-energy, modulus_j: 1, " BODY
                  "contact: {tools: [{probe: 3, shape: {sphere: {radius_mm: %s}}}]}\n",
                  cases[i].units, cases[i].radius_mm);
-        write_bytes("m.obj", GOOD_MESH, strlen(GOOD_MESH));
+        write_bytes("m.obj", cases[i].mesh, strlen(cases[i].mesh));
         write_bytes("scene.yaml", scene, strlen(scene));
         const char *const argv[] = {"softsimd", "--check", in_folder("scene.yaml"), NULL};
         assert_int_equal(process_run(&p, argv), cases[i].doubt ? 1 : 0);
