@@ -168,13 +168,15 @@ static void used_pose(const ss_haptic *haptic, double x[3], double v[3])
 
 /* Where the hand is in a tick that has no new pose, for one tick on: two clocks of 1 kHz, or a late
  * message, leave a tick without, and a hand taken as still while v says otherwise gave what is
- * viscous a step, and back: .5 N at .2 m/s in a grasp. */
+ * viscous a step, and back: .5 N at .2 m/s in a grasp. No farther than the last poses were apart,
+ * whatever velocity the device tells. */
 static void lead_pose(const ss_haptic *haptic, int64_t tick, const double x[3], const double v[3],
                       double out[3])
 {
+    const double ahead = haptic->config.period * fmin(1.0, (double)(tick - haptic->pose_tick));
     double way[3];
-    ss_scale3(way, v, haptic->config.period * fmin(1.0, (double)(tick - haptic->pose_tick)));
-    ss_clamp_norm3(way, LEAD_MAX);
+    ss_scale3(way, v, ahead);
+    ss_clamp_norm3(way, fmin(LEAD_MAX, haptic->motion.covered * ahead));
     ss_add3(out, x, way);
 }
 
@@ -572,6 +574,9 @@ static uint64_t hash_hidden(const ss_haptic *haptic, uint64_t hash)
     }
     if (haptic->slip.turning > 0.0) {
         hash = ss_hash_bytes(hash, &haptic->slip.turning, sizeof haptic->slip.turning);
+    }
+    if (haptic->passivity.damping > 0.0) {
+        hash = ss_hash_bytes(hash, &haptic->passivity.damping, sizeof haptic->passivity.damping);
     }
     const double number[] = {haptic->slip.stiffness_fraction, haptic->slip.length,
                              haptic->admission.held_back, haptic->ramp_from,

@@ -60,6 +60,7 @@ typedef struct ss_motion {
     double mean_v[3]; /* v, smoothed: what v is ahead of it is acceleration */
     double turn[3];   /* rad/s, of the tool */
     double speed;     /* m/s, as fast as it was, fading */
+    double covered;   /* m/s, of the last two poses */
 } ss_motion;
 
 void ss_motion_rest(ss_motion *motion);

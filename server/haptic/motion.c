@@ -45,14 +45,16 @@ void ss_motion_rest(ss_motion *motion)
     ss_set3(motion->v, 0.0, 0.0, 0.0);
     ss_set3(motion->mean_v, 0.0, 0.0, 0.0);
     ss_set3(motion->turn, 0.0, 0.0, 0.0);
-    motion->speed = 0.0;
+    motion->speed = motion->covered = 0.0;
 }
 
 void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_pose *pose,
                     double elapsed)
 {
     const double lag = 1.0 - exp(-TWO_PI * VELOCITY_CORNER * elapsed);
-    double turn[3];
+    double way[3], turn[3];
+    ss_sub3(way, pose->position, last->position);
+    motion->covered = ss_norm3(way) / elapsed;
     ss_turn_between(last->orientation, pose->orientation, turn);
     for (int i = 0; i < 3; ++i) {
         motion->turn[i] += lag * (turn[i] / elapsed - motion->turn[i]);
@@ -62,8 +64,7 @@ void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_p
         ss_copy3(motion->v, pose->velocity);
     } else {
         for (int i = 0; i < 3; ++i) {
-            const double raw = (pose->position[i] - last->position[i]) / elapsed;
-            motion->v[i] += lag * (raw - motion->v[i]);
+            motion->v[i] += lag * (way[i] / elapsed - motion->v[i]);
         }
     }
     ss_clamp_norm3(motion->v, SPEED_MAX);

@@ -18,6 +18,11 @@
  * damping pays for the next tick, which without it gave the whole force back to a hand that left,
  * 0 and 2 N in turns.
  *
+ * A grasp that is not corrected has no bound (below), and a damper that is late by tau drives a
+ * hand and device of mass m that are light: from alpha tau / m = pi / 2 on it swings. There alpha
+ * tau is at most 25 g. (With 5 N s/m, 40 g behind 10 ms each way swung up to the force limit, and
+ * got 21 J.)
+ *
  * Behind a delay damping is late too, and drives the hand. There, without a grasp or a client that
  * corrects, the force is bounded by what the hand has paid for it: one sent now acts for the delay
  * tau while the hand may come out at v, and a spring of K_max that holds it gives F^2/(2 K_max), so
@@ -47,6 +52,7 @@
 #define DAMPING_NEAR     10.0    /* N s/m, alpha_max */
 #define DAMPING_FAR      5.0     /* N s/m, the same behind a longer delay */
 #define GIVE_BACK_TIME   0.020   /* s: damping goes */
+#define LIGHTEST_HAND    0.025   /* kg, of hand and device: in a grasp without correction */
 #define NEAR_DELAY       0.0031  /* s: no bound up to here, */
 #define FAR_DELAY        0.0051  /* and nothing but the bound from here */
 #define GUESSED_DELAY    0.0051  /* s: less, before the delay is known, is a guess */
@@ -185,7 +191,10 @@ bool ss_passivity_damp(ss_passivity *passivity, const ss_observer *observer,
     const double share = passivity->bound_share;
     const double foreseen = ss_observer_foresee(observer, now) + passivity->let_in;
     const double energy = foreseen - passivity->forgiven - ALLOWED_ENERGY;
-    const double most = DAMPING_NEAR + passivity->soft_share * (DAMPING_FAR - DAMPING_NEAR);
+    double most = DAMPING_NEAR + passivity->soft_share * (DAMPING_FAR - DAMPING_NEAR);
+    if (now->is_grasping && !now->corrects) {
+        most = fmin(most, LIGHTEST_HAND / observer->delay_p95);
+    }
     double change[3];
     dampen(passivity, most, now, energy, force, size, change);
     ss_scale3(change, change, 1.0 - share);

@@ -82,6 +82,7 @@ static void tick_probe(ss_world *world, int32_t p, int64_t tick, int64_t due_ns,
                                .others_j = world->taken_j - probe->taken_j,
                                .let_in_j = output.let_in_j,
                                .trail_s = world->haptic_config.damping / output.stiffness_limit,
+                               .max_force_n = world->haptic_config.max_force,
                                .is_lockstep = world->haptic_config.is_lockstep};
     ss_hand_watch_tick(&probe->hand, &hand);
     stats->hand = ss_hand_verdict_worse(stats->hand, ss_hand_watch_verdict(&probe->hand, tick));

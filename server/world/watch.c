@@ -16,6 +16,8 @@ static const double contact_gap_time = 0.02;              /* s: no hand taps as 
 static const double tell_time = 1.0;                      /* s */
 static const double far_behind = 0.003;                   /* m */
 static const double long_behind = 0.02;                   /* s */
+static const double shaking_time = 0.5;                   /* s */
+static const double most_shaking = 25.0;                  /* times the force limit */
 
 /* ---- tissue ---- */
 
@@ -183,6 +185,24 @@ static ss_hand_verdict judge_trail(ss_hand_watch *watch, const ss_hand_tick *now
     return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
 }
 
+/* A force that goes to and fro as no hand does. */
+static ss_hand_verdict judge_shaking(ss_hand_watch *watch, const ss_hand_tick *now)
+{
+    double change[3];
+    ss_sub3(change, now->sent->force, watch->last_force);
+    ss_copy3(watch->last_force, now->sent->force);
+    watch->shaking *= exp(-now->period / shaking_time);
+    watch->shaking += ss_norm3(change);
+    if (watch->shaking > most_shaking * now->max_force_n) {
+        return (ss_hand_verdict){
+            SOFTSIM_VERDICT_GUARDED,
+            "the force shakes faster than a hand moves: a device that answers late is to name the "
+            "force it exerts (force_seq, applied_force) or to correct it; steady it, or lower "
+            "haptic.coupling.stiffness_n_per_m"};
+    }
+    return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
+}
+
 void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
 {
     double handed_out = 0.0, given[SS_SUPPLY_DEVICES] = {0.0};
@@ -216,8 +236,9 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
     given[SS_HAND_WATCH_NAMED] = is_named ? now->device_j - watch->device_j : 0.0;
     watch->device_j = now->device_j;
     const double made = judge_parts(watch, now, given, is_counted);
-    const ss_hand_verdict found =
-        ss_hand_verdict_worse(judge_hand(handed_out, watch->let_in, made), judge_trail(watch, now));
+    const ss_hand_verdict found = ss_hand_verdict_worse(
+        ss_hand_verdict_worse(judge_hand(handed_out, watch->let_in, made), judge_trail(watch, now)),
+        judge_shaking(watch, now));
     if (found.verdict != SOFTSIM_VERDICT_GOOD) {
         watch->last_verdict = ss_hand_verdict_worse(found, ss_hand_watch_verdict(watch, now->tick));
         watch->until = now->tick + (int64_t)ceil(tell_time / now->period);

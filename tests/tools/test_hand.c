@@ -176,8 +176,12 @@ TEST(the_watch_and_the_judge_agree_on_random_tracks)
             const double push = is_touching ? 2.0 + 2.0 * noise() : 0.0;
             const softsim_pose pose = at_depth(x, -1);
             const softsim_force answer = push_up(push);
-            const ss_hand_tick now = {
-                .tick = k, .period = 1e-3, .pose = &pose, .sent = &answer, .is_lockstep = true};
+            const ss_hand_tick now = {.max_force_n = INFINITY,
+                                      .tick = k,
+                                      .period = 1e-3,
+                                      .pose = &pose,
+                                      .sent = &answer,
+                                      .is_lockstep = true};
             ss_hand_watch_tick(&watch, &now);
             is_told = is_told || ss_hand_watch_verdict(&watch, k).verdict > SOFTSIM_VERDICT_GOOD;
             feel_at(&t, x, push, 0.0);

@@ -158,7 +158,8 @@ static ss_hand_verdict press(planted what, double scale, bool is_lockstep)
         const ss_simulation_result result = {.has_stored = what != UNTOLD,
                                              .stored = kept * scale * 500.0 * x * x,
                                              .load_work = load};
-        const ss_hand_tick now = {.tick = k,
+        const ss_hand_tick now = {.max_force_n = INFINITY,
+                                  .tick = k,
                                   .period = 1e-3,
                                   .pose = &pose,
                                   .sent = &sent,

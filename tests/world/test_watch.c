@@ -75,7 +75,8 @@ TEST(a_hand_that_is_driven_is_told_for_a_second)
             const double x = k % 2 == 0 ? 0.008 : 0.0;
             const softsim_pose pose = at_depth(x, -1);
             const softsim_force force = push_up(500.0 * x);
-            const ss_hand_tick now = {.tick = k,
+            const ss_hand_tick now = {.max_force_n = INFINITY,
+                                      .tick = k,
                                       .period = 1e-3,
                                       .pose = &pose,
                                       .sent = &force,
@@ -84,8 +85,11 @@ TEST(a_hand_that_is_driven_is_told_for_a_second)
         }
         assert_int_equal(is_telling(&watch, k), is_lockstep);
         const softsim_force no_force = {.seq = 0};
-        const ss_hand_tick nothing = {
-            .tick = k, .period = 1e-3, .sent = &no_force, .is_lockstep = is_lockstep != 0};
+        const ss_hand_tick nothing = {.max_force_n = INFINITY,
+                                      .tick = k,
+                                      .period = 1e-3,
+                                      .sent = &no_force,
+                                      .is_lockstep = is_lockstep != 0};
         ss_hand_watch_tick(&watch, &nothing);
         assert_int_equal(is_telling(&watch, k + 900), is_lockstep);
         assert_false(is_telling(&watch, k + 1000));
@@ -95,8 +99,12 @@ TEST(a_hand_that_is_driven_is_told_for_a_second)
         ss_hand_watch watch = {.has_pose = false};
         const softsim_pose pose = at_depth(0.0, is_named ? 5 : -1);
         const softsim_force force = push_up(0.0);
-        ss_hand_tick now = {
-            .tick = 7, .period = 1e-3, .pose = &pose, .sent = &force, .contact_j = -0.009};
+        ss_hand_tick now = {.max_force_n = INFINITY,
+                            .tick = 7,
+                            .period = 1e-3,
+                            .pose = &pose,
+                            .sent = &force,
+                            .contact_j = -0.009};
         ss_hand_watch_tick(&watch, &now);
         assert_false(is_telling(&watch, 8));
         now.contact_j = -0.011;
@@ -132,7 +140,8 @@ TEST(the_verdict_follows_the_energy_of_a_contact)
                 {-0.009, 0.5, SOFTSIM_VERDICT_GOOD, ""}};
     const softsim_pose pose = at_depth(0.0, 5);
     const softsim_force force = push_up(1.0);
-    ss_hand_tick now = {.tick = 7, .period = 1e-3, .pose = &pose, .sent = &force};
+    ss_hand_tick now = {
+        .max_force_n = INFINITY, .tick = 7, .period = 1e-3, .pose = &pose, .sent = &force};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
         ss_hand_watch watch = {.has_pose = false};
         now.contact_j = rows[k].contact_j;
@@ -170,7 +179,8 @@ TEST(what_was_let_in_counts_for_as_long_as_what_it_became)
             const softsim_force answer = push_up(force);
             given[k] = given[k - 1] * (given[k - 1] < 0.0 && force + sent == 0.0 ? 0.0 : 1.0) -
                        sent * (pose.position[2] - before);
-            const ss_hand_tick now = {.tick = k,
+            const ss_hand_tick now = {.max_force_n = INFINITY,
+                                      .tick = k,
                                       .period = 1e-3,
                                       .pose = &pose,
                                       .sent = &answer,
@@ -322,6 +332,29 @@ TEST(only_a_blow_that_is_not_felt_is_told)
     }
     assert_int_equal(world->worst_hand.verdict, SOFTSIM_VERDICT_GOOD);
     destroy(world);
+}
+
+/* A force of the limit that turns round n times a second for a second, as a circle does. */
+static softsim_verdict verdict_of_turns(double n)
+{
+    ss_hand_watch watch = {.until = 0};
+    ss_hand_verdict told = {SOFTSIM_VERDICT_GOOD, ""};
+    for (int k = 1; k <= 1000; ++k) {
+        const double turn = 2.0 * SS_PI * n * 1e-3 * k;
+        const softsim_force force = {.force = {8.0 * cos(turn), 8.0 * sin(turn), 0.0}};
+        const ss_hand_tick now = {.tick = k, .period = 1e-3, .sent = &force, .max_force_n = 8.0};
+        ss_hand_watch_tick(&watch, &now);
+        told = ss_hand_verdict_worse(told, ss_hand_watch_verdict(&watch, k));
+    }
+    return told.verdict;
+}
+
+/* Where the energy of a contact is not known the force itself tells: 6 turns a second a hand may
+ * make, 12 none does. */
+TEST(a_force_that_shakes_is_told)
+{
+    assert_int_equal(verdict_of_turns(6.0), SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(verdict_of_turns(12.0), SOFTSIM_VERDICT_GUARDED);
 }
 
 int main(void)
