@@ -123,10 +123,11 @@ static void note_entry(ss_corrector *corrector, int64_t now_ns, double size)
 
 /* J: what a force of `size` that falls by the stiffness told does on a hand that goes on along it.
  */
-static double handed_out(const ss_corrector *corrector, double size, double speed)
+static double handed_out(const ss_corrector *corrector, double elapsed_s, double size, double speed)
 {
+    const double ahead_s = fmax(foreseen_s, fmin(elapsed_s, longest_s));
     const double stiffness = fmin(corrector->force.stiffness, max_stiffness_n_per_m);
-    const double way = fmin(speed * foreseen_s, stiffness > 0.0 ? size / stiffness : INFINITY);
+    const double way = fmin(speed * ahead_s, stiffness > 0.0 ? size / stiffness : INFINITY);
     return way * (size - 0.5 * fmax(0.0, stiffness) * way);
 }
 
@@ -147,7 +148,7 @@ static void damp(ss_corrector *corrector, int64_t now_ns, double elapsed_s, doub
     double taken = 0.0;
     const double speed = size > touch_n ? ss_dot3(force, corrector->velocity) / size : 0.0;
     if (speed > 0.0) {
-        const double given = handed_out(corrector, size, speed);
+        const double given = handed_out(corrector, elapsed_s, size, speed);
         const double allowed = fmax(0.0, corrector->energy_j + free_debt_j);
         const double share = given > allowed ? 1.0 - allowed / given : 0.0;
         const double damping =

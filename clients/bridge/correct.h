@@ -23,7 +23,8 @@
  * The line through one answer is not the tissue: it is held off by 20 ms of motion, and what it
  * gives back on the way out the hand has not paid on the way in (a fast tap over 10 ms: 20 mJ, with
  * late messages 80). Only here is known at once what the hand was given: E = sum -F . dx of the
- * contact under way. A hand that goes on at v along the force will be given, within 5 ms,
+ * contact under way. A hand that goes on at v along the force will be given, within 5 ms, or
+ * a longer period of the device's,
  *
  *   W = w (F - S w / 2),   w = min(v 5 ms, F / S)
  *
