@@ -390,6 +390,11 @@ bool softsim_client_hears_two(const softsim_client *client)
            ss_origin_hears_two(&client->status_origin, now_ns);
 }
 
+int32_t softsim_client_server_changes(const softsim_client *client)
+{
+    return client->force_origin.changes;
+}
+
 softsim_client_counts softsim_client_read_counts(const softsim_client *client)
 {
     return client->counts;

@@ -37,6 +37,7 @@ bool ss_origin_take(ss_origin *origin, uint64_t source, int64_t now_ns)
     if (was_taken) {
         note_return(origin, now_ns);
     }
+    origin->changes += first->heard_ns != 0;
     *second = *first;
     *first = other;
     first->was_taken = true;

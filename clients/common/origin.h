@@ -29,6 +29,7 @@ typedef struct ss_origin_server {
 typedef struct ss_origin {
     int64_t silent_ns; /* parameter: so long without the first server, and another is taken */
     ss_origin_server first, second;
+    int32_t changes; /* times that another was taken in the place of the first */
     int32_t returns;
     int64_t return_ns; /* the last one; 0: none */
     int64_t two_ns;    /* when two were last known to speak; 0: never */

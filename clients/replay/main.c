@@ -49,7 +49,7 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         SS_TEXT("--csv", &o->csv, "OUT.csv", ss_replay_csv_help),
         SS_TEXT("--record", &o->record, "OUT.lcmlog",
                 "event log of the poses sent and the forces received; like --csv written to\n"
-                "OUT.part once a second, and OUT when all poses are played"),
+                "OUT.part once a second, and OUT at the end of a replay that exits 0"),
         SS_FLAG("--convert", &o->is_convert,
                 "write the poses as an event log instead of playing them"),
         SS_ARG_BUS(&o->lcm_url, &o->prefix),
@@ -177,7 +177,7 @@ static void report(const ss_replay *replay, const survey *found)
     }
 }
 
-/* A recording has its own name only when it is complete: until the last pose. */
+/* A recording has its own name only when it is complete: one server's answers to the whole log. */
 static bool finish_files(const char *program, ss_replay *replay, bool is_complete)
 {
     softsim_error error = {.status = SOFTSIM_OK};
@@ -245,6 +245,30 @@ static void tell_result(const char *program, const options *o, const ss_replay *
     }
 }
 
+/* Says on stderr what makes the answers others than those of one server to the whole log; whether
+ * there was such a thing. */
+static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_result result)
+{
+    if (replay->changed_seq > 0) {
+        fprintf(stderr,
+                "%s: another server answers since pose %" PRId32
+                ": its body has felt nothing of the poses before; play them again\n",
+                program, replay->changed_seq);
+    }
+    if (replay->lost_seq > 0) {
+        fprintf(stderr, "%s: another sender holds probe %" PRId32 " since pose %" PRId32 "\n",
+                program, replay->lost_probe, replay->lost_seq);
+    }
+    const bool is_cut = result == SS_REPLAY_DONE && ss_replay_ended_unanswered(replay);
+    if (is_cut) {
+        fprintf(stderr,
+                "%s: answers stopped at pose %" PRId32 " (%.3f s of %.3f s): has softsimd ended?\n",
+                program, replay->felt_seq, 1e-6 * (double)replay->felt_us,
+                1e-6 * (double)replay->played_us);
+    }
+    return replay->changed_seq > 0 || replay->lost_seq > 0 || is_cut;
+}
+
 /* Plays, reports, closes. */
 static int play(const char *program, const options *o, softsim_poses *poses, const survey *found)
 {
@@ -279,7 +303,9 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     const bool is_answered = replay.statistics.forces > replay.statistics.other_sender;
     const bool is_one =
         !ss_process_tell_two(program, "the first one's answers are kept", replay.has_heard_two);
-    const bool is_written = finish_files(program, &replay, result == SS_REPLAY_DONE);
+    const bool is_doubtful = tell_doubt(program, &replay, result);
+    const bool is_good = result == SS_REPLAY_DONE && is_answered && is_one && !is_doubtful;
+    const bool is_written = finish_files(program, &replay, is_good);
     report(&replay, found);
     softsim_client_close(&replay.client);
     if (result == SS_REPLAY_DONE && !is_answered && replay.statistics.other_sender > 0) {
@@ -287,8 +313,7 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     } else if (result == SS_REPLAY_DONE && !is_answered) {
         ss_silence_explain(program, &config, -1, "no answer came");
     }
-    return result == SS_REPLAY_DONE && is_answered && is_written && is_one ? EXIT_SUCCESS
-                                                                           : EXIT_FAILURE;
+    return is_good && is_written ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 int main(int argc, char **argv)

@@ -12,6 +12,7 @@
 static const int64_t silence_ns = 5000000000; /* without an answer: failure */
 static const int64_t resend_ns = 100000000;   /* lockstep: the pose or its answer was lost */
 static const int64_t drain_ns = 500000000;    /* for the last answers */
+static const int64_t recent_us = 500000;      /* of the log: answered to its end */
 /* Between two looks at the clock: what is longer, the machine held this program back, and an answer
  * may lie unread; it is counted as so much. */
 static const int64_t look_ns = 100000000;
@@ -91,13 +92,33 @@ static void write_row(FILE *csv, const softsim_force *force, int64_t latency_us,
             force->stiffness, force->model_age_us, force->flags, latency_us, indentation);
 }
 
+static bool is_remembered(const ss_replay *replay, int32_t seq)
+{
+    return seq <= replay->seq && seq > replay->seq - SS_REPLAY_SENT && seq > 0;
+}
+
 /* Of a pose that is remembered; else not finite. */
 static const double *sent_position(const ss_replay *replay, int32_t seq)
 {
     static const double unknown[3] = {NAN, NAN, NAN};
-    return seq <= replay->seq && seq > replay->seq - SS_REPLAY_SENT && seq > 0
-               ? replay->sent_position[seq % SS_REPLAY_SENT]
-               : unknown;
+    return is_remembered(replay, seq) ? replay->sent_position[seq % SS_REPLAY_SENT] : unknown;
+}
+
+/* Whose the probe is, as the first answer to a pose says. */
+static void note_holder(ss_replay *replay, const softsim_force *force)
+{
+    if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
+        replay->is_holding[force->probe] = true;
+        if (force->pose_seq > replay->felt_seq) {
+            replay->felt_seq = force->pose_seq;
+            if (is_remembered(replay, force->pose_seq)) {
+                replay->felt_us = replay->sent_us[force->pose_seq % SS_REPLAY_SENT];
+            }
+        }
+    } else if (replay->is_holding[force->probe] && replay->lost_seq == 0) {
+        replay->lost_seq = force->pose_seq;
+        replay->lost_probe = force->probe;
+    }
 }
 
 void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns)
@@ -109,6 +130,12 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     const bool is_first =
         force->pose_seq > *answered && force->pose_seq <= replay->sent_seq[force->probe];
     replay->is_asking = false;
+    if (replay->changed_seq == 0 && softsim_client_server_changes(replay->client) > 0) {
+        replay->changed_seq = force->pose_seq;
+    }
+    if (replay->is_lockstep && replay->changed_seq > 0) {
+        return;
+    }
     if (replay->record != NULL) {
         softsim_log_write_force(replay->record, wall_clock_us(),
                                 softsim_client_force_channel(replay->client, force->probe), force);
@@ -124,6 +151,7 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
         *answered = force->pose_seq;
         ++statistics->answered;
         count_latency(statistics, latency_us);
+        note_holder(replay, force);
     }
     ++statistics->forces;
     statistics->other_sender += (force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0;
@@ -140,13 +168,14 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
 
 /* ---- sending ---- */
 
-/* Gives the pose its number and time and sends it. */
-static void send_pose(ss_replay *replay, softsim_pose_event *event)
+/* Gives the pose its number and time and sends it; `log_us` is its time in the log. */
+static void send_pose(ss_replay *replay, softsim_pose_event *event, int64_t log_us)
 {
     const int32_t channel = event->channel_probe;
     softsim_poses_restamp(&event->pose, softsim_client_sender(replay->client), ++replay->seq);
     replay->sent_seq[channel] = replay->seq;
     event->pose.utime_us = softsim_client_now_us();
+    replay->played_us = replay->sent_us[replay->seq % SS_REPLAY_SENT] = log_us;
     ss_copy3(replay->sent_position[replay->seq % SS_REPLAY_SENT], event->pose.position);
     if (!replay->is_asking) {
         replay->is_asking = true;
@@ -184,6 +213,9 @@ static ss_replay_result wait_until(ss_replay *replay, int64_t deadline_ns, int32
         if (ss_process_is_stopped()) {
             return SS_REPLAY_STOPPED;
         }
+        if (replay->is_lockstep && replay->changed_seq > 0) {
+            return SS_REPLAY_CHANGED;
+        }
         replay->has_heard_two = replay->has_heard_two || softsim_client_hears_two(replay->client);
         const int64_t now_ns = softsim_client_now_ns();
         if (is_silent(replay, now_ns)) {
@@ -198,10 +230,10 @@ static ss_replay_result wait_until(ss_replay *replay, int64_t deadline_ns, int32
     }
 }
 
-static ss_replay_result play_locked(ss_replay *replay, softsim_pose_event *event)
+static ss_replay_result play_locked(ss_replay *replay, softsim_pose_event *event, int64_t log_us)
 {
     const int32_t channel = event->channel_probe;
-    send_pose(replay, event);
+    send_pose(replay, event, log_us);
     for (;;) {
         const ss_replay_result result =
             wait_until(replay, softsim_client_now_ns() + resend_ns, channel);
@@ -215,7 +247,14 @@ static ss_replay_result play_locked(ss_replay *replay, softsim_pose_event *event
     }
 }
 
-/* Waits until the last pose of every channel is answered, for a while. */
+bool ss_replay_ended_unanswered(const ss_replay *replay)
+{
+    return replay->is_asking && replay->felt_seq > 0 &&
+           replay->played_us - replay->felt_us > recent_us;
+}
+
+/* Waits until the last pose of every channel is answered, for a while; for a server that has
+ * answered before and is behind, until it is heard or taken for silent. */
 static ss_replay_result drain(ss_replay *replay)
 {
     const int64_t deadline_ns = softsim_client_now_ns() + drain_ns;
@@ -223,7 +262,10 @@ static ss_replay_result drain(ss_replay *replay)
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES && result == SS_REPLAY_DONE; ++p) {
         result = wait_until(replay, deadline_ns, p);
     }
-    return result;
+    while (result == SS_REPLAY_DONE && ss_replay_ended_unanswered(replay)) {
+        result = wait_until(replay, softsim_client_now_ns() + look_ns, -1);
+    }
+    return result == SS_REPLAY_SILENT ? SS_REPLAY_DONE : result; /* all is played */
 }
 
 ss_replay_result ss_replay_run(ss_replay *replay)
@@ -245,15 +287,15 @@ ss_replay_result ss_replay_run(ss_replay *replay)
             if (next == SOFTSIM_POSES_NOTE) {
                 continue;
             }
+            last_us = turn_us + event.time_us;
             if (replay->is_lockstep) {
-                result = play_locked(replay, &event);
+                result = play_locked(replay, &event, last_us);
                 continue;
             }
-            last_us = turn_us + event.time_us;
             const double elapsed_ns = 1e3 * (double)last_us / replay->speed;
             result = wait_until(replay, start_ns + (int64_t)elapsed_ns, -1);
             if (result == SS_REPLAY_DONE) {
-                send_pose(replay, &event);
+                send_pose(replay, &event, last_us);
             }
         }
         turn_us = last_us + replay->repeat_gap_us;

@@ -6,8 +6,12 @@
  *
  * Paced: every pose is sent at its time of the log, on the absolute clock; answers are taken
  * whenever they come. Lockstep: a pose is sent, and again every 100 ms, until its answer is here;
- * then the next. Either ends in failure when 5 s pass without any answer to what was sent; a
- * server that is started again within that time is simply played on to.
+ * then the next. Either ends in failure when 5 s pass without any answer to what was sent.
+ *
+ * A server that is started again, or another in its place, has a body that has felt nothing of the
+ * log so far. A lockstep replay, whose forces are a result, ends there, before the first of them;
+ * a paced one is played on to it. At the end of a paced one, when no answer is of the last half
+ * second of the log, a server that is only late is waited for, as long as anywhere in the log.
  * Thread: main.
  */
 #include <stdbool.h>
@@ -46,9 +50,16 @@ typedef struct ss_replay {
     /* state */
     softsim_client *client;
     ss_indentation indentation[SOFTSIM_MAX_PROBES];
-    double sent_position[SS_REPLAY_SENT][3];  /* by seq; of older ones the answers are late */
-    bool has_told_lost;                       /* that a recording could not be written on */
-    int32_t seq;                              /* of the last pose sent */
+    double sent_position[SS_REPLAY_SENT][3]; /* by seq; of older ones the answers are late */
+    int64_t sent_us[SS_REPLAY_SENT];         /* their times in the log */
+    int64_t played_us;                       /* that of the last pose sent */
+    int32_t felt_seq;                        /* the newest that this sender's force answers */
+    int64_t felt_us;                         /* its time in the log */
+    bool is_holding[SOFTSIM_MAX_PROBES];     /* such a force came, by channel */
+    int32_t lost_seq, lost_probe; /* the first then refused for another sender; 0: none */
+    int32_t changed_seq;          /* the first that another server answers; 0: none */
+    bool has_told_lost;           /* that a recording could not be written on */
+    int32_t seq;                  /* of the last pose sent */
     int32_t answered_seq[SOFTSIM_MAX_PROBES]; /* the newest answered, by channel */
     int32_t sent_seq[SOFTSIM_MAX_PROBES];     /* the last sent, by channel */
     bool is_asking;                           /* a pose was sent since the last answer */
@@ -61,6 +72,7 @@ typedef enum ss_replay_result {
     SS_REPLAY_DONE,
     SS_REPLAY_STOPPED, /* by a signal */
     SS_REPLAY_SILENT,  /* 5 s without an answer */
+    SS_REPLAY_CHANGED, /* lockstep: another server answers */
     SS_REPLAY_BROKEN   /* LCM failed */
 } ss_replay_result;
 
@@ -68,6 +80,9 @@ typedef enum ss_replay_result {
 void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns);
 /* Plays; the parameters and `client` are set, the rest is zero. */
 ss_replay_result ss_replay_run(ss_replay *replay);
+/* Did the answers end over half a second of the log before it did, and not for lateness? For who
+ * was answered at all. */
+bool ss_replay_ended_unanswered(const ss_replay *replay);
 /* `quantile` in 0..1, microseconds; 0 without answers. */
 int64_t ss_replay_latency(const ss_replay_statistics *statistics, double quantile);
 /* The header line of the CSV, with its \n; and what each column is, for --help. */

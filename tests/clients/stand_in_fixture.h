@@ -31,7 +31,10 @@ static process child;
 
 /* ---- the stand-in ---- */
 
-enum { MAX_KEPT = 20000 };
+enum {
+    MAX_KEPT = 20000,
+    LATE_LOOKS = 40 /* of 20 ms: longer than a client usually waits for a last answer */
+};
 
 typedef struct server {
     /* parameters */
@@ -41,17 +44,22 @@ typedef struct server {
     bool is_mute;
     int mute_from, mute_until; /* fresh poses that are not answered: number from .. until - 1 */
     int other_until;           /* earlier ones are answered as those of another sender */
+    int other_from;            /* and from this one on; 0: never */
+    int replaced_from;         /* another server answers from this one on; 0: never */
+    bool is_late;              /* what is muted is answered once the poses have ended */
     bool is_entering;          /* answers as to a tool that has come up inside the tissue */
     bool sends_status;
 
     /* state */
-    lcm_t *lcm;
+    lcm_t *lcm, *next; /* that replaces the first */
     pthread_t thread;
     atomic_bool is_stopping;
     atomic_int poses; /* that came, repeats included */
     int fresh, force_seq;
     int32_t last_seq[SOFTSIM_MAX_PROBES];
     softsim_pose kept[MAX_KEPT]; /* the fresh ones */
+    softsim_force muted;         /* the last one */
+    int idle;                    /* looks without a pose, one after the other */
 } server;
 
 static server stand_in;
@@ -60,7 +68,8 @@ static inline void publish_force(server *s, const char *channel, const softsim_f
 {
     uint8_t data[SS_WIRE_FORCE_SIZE];
     ss_wire_encode_force(force, data);
-    lcm_publish(s->lcm, channel, data, sizeof data);
+    lcm_publish(s->replaced_from > 0 && s->fresh >= s->replaced_from ? s->next : s->lcm, channel,
+                data, sizeof data);
 }
 
 static inline void publish_rubbish(server *s, const char *channel, const softsim_force *force)
@@ -143,7 +152,7 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
         force.flags |= SOFTSIM_FORCE_RAMPING;
         force.depth = 0.01;
     }
-    if (s->fresh < s->other_until) {
+    if (s->fresh < s->other_until || (s->other_from > 0 && s->fresh >= s->other_from)) {
         force = (softsim_force){.sender = pose.sender,
                                 .probe = probe,
                                 .pose_seq = pose.seq,
@@ -162,6 +171,8 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
     const bool is_mute = s->is_mute || (s->fresh >= s->mute_from && s->fresh < s->mute_until);
     if (!is_mute && !is_lost) {
         publish_force(s, answer, &force);
+    } else {
+        s->muted = force;
     }
 }
 
@@ -172,6 +183,9 @@ static inline void *serve(void *argument)
         struct pollfd ready = {.fd = lcm_get_fileno(s->lcm), .events = POLLIN};
         if (poll(&ready, 1, 20) > 0) {
             lcm_handle(s->lcm);
+            s->idle = 0;
+        } else if (s->is_late && s->muted.pose_seq > 0 && ++s->idle == LATE_LOOKS) {
+            publish_force(s, "SOFTSIM_FORCE_0", &s->muted);
         } else if (s->sends_status) {
             publish_status(s);
         }
@@ -183,7 +197,8 @@ static inline void *serve(void *argument)
 static inline void start_server(void)
 {
     stand_in.lcm = lcm_create(NULL);
-    assert_non_null(stand_in.lcm);
+    stand_in.next = lcm_create(NULL);
+    assert_true(stand_in.lcm != NULL && stand_in.next != NULL);
     lcm_subscription_t *all =
         lcm_subscribe(stand_in.lcm, "SOFTSIM_PROBE_[0-7]", on_pose, &stand_in);
     assert_non_null(all);
@@ -227,7 +242,8 @@ static inline void stop_server(void)
     stand_in.is_stopping = true;
     pthread_join(stand_in.thread, NULL);
     lcm_destroy(stand_in.lcm);
-    stand_in.lcm = NULL;
+    lcm_destroy(stand_in.next);
+    stand_in.lcm = stand_in.next = NULL;
 }
 
 /* ---- files ---- */

@@ -258,6 +258,86 @@ SERVED_TEST(a_run_without_any_answer_is_a_failure)
     assert_non_null(strstr(child.err, "no answer came: another sender holds the probe"));
 }
 
+/* ---- an end or a change of the server that the summary alone would hide ---- */
+
+/* Ends with 1, says `said`; the answers are under the name of what is not complete. */
+static void expect_doubt(const char *said, const char *option)
+{
+    const char *log = in_folder("a.lcmlog");
+    const char *csv = in_folder("a.csv");
+    const char *const argv[] = {"softsim-replay", log, "--csv", csv, option, NULL};
+    run_served(argv, 1);
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_true(read_csv(in_folder("a.csv.part")) > 0);
+    const char *at = strstr(child.err, said);
+    if (at == NULL) {
+        fail_msg("no '%s' in: %s", said, child.err);
+    }
+    assert_null(strstr(at + 1, said)); /* once */
+}
+
+/* Its body has not felt the poses before: nothing of it is kept. */
+SERVED_TEST(another_server_ends_a_lockstep_replay)
+{
+    make_log(in_folder("a.lcmlog"), 300, 1);
+    stand_in.replaced_from = 100;
+    expect_doubt("another server answers since pose 100", "--lockstep");
+    assert_int_equal(read_csv(in_folder("a.csv.part")), 99);
+    assert_int_equal(stand_in.fresh, 100);
+}
+
+/* To its end. Where the machine has held all answers of the other back until then, or lets none
+ * through in time, it is played again. */
+SERVED_TEST(another_server_is_told_by_a_paced_replay)
+{
+    const char *log = in_folder("a.lcmlog");
+    const char *const argv[] = {"softsim-replay", log, NULL};
+    make_log(log, 1500, 1);
+    int runs = 0;
+    do {
+        assert_true(++runs < 20);
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.replaced_from = 500;
+        run_served(argv, 1);
+        assert_non_null(strstr(child.out, "1500 sent"));
+    } while (strstr(child.err, "another server answers since pose ") == NULL);
+}
+
+SERVED_TEST(answers_that_stop_before_the_end_are_told)
+{
+    make_log(in_folder("a.lcmlog"), 1500, 1);
+    stand_in.mute_from = 500;
+    stand_in.mute_until = INT32_MAX;
+    expect_doubt("answers stopped at pose ", NULL);
+    assert_non_null(strstr(child.err, " s of 1.499 s)"));
+    assert_non_null(strstr(child.out, "1500 sent, "));
+}
+
+/* Later than the half second in which last answers come. */
+SERVED_TEST(a_late_server_is_waited_for)
+{
+    const char *log = in_folder("a.lcmlog");
+    const char *const argv[] = {"softsim-replay", log, NULL};
+    make_log(log, 1500, 1);
+    stand_in.mute_from = 500;
+    stand_in.mute_until = INT32_MAX;
+    stand_in.is_late = true;
+    run_served(argv, 0);
+    assert_string_equal(child.err, "");
+}
+
+SERVED_TEST(a_probe_lost_to_another_sender_is_told)
+{
+    make_log(in_folder("a.lcmlog"), 300, 1);
+    stand_in.other_from = 200;
+    expect_doubt("another sender holds probe 0 since pose 200", "--lockstep");
+    /* At its start it waits for the one before to let go. */
+    const char *const argv[] = {"softsim-replay", in_folder("a.lcmlog"), "--lockstep", NULL};
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.other_until = 50;
+    run_served(argv, 0);
+}
+
 int main(void)
 {
     return process_run_tests(NULL, NULL);

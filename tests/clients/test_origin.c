@@ -55,6 +55,7 @@ TEST(a_restart_is_one_server_and_taken_up_at_once)
         for (int i = 0; i < 700; ++i) {
             assert_true(ss_origin_take(&origin, (uint64_t)(FIRST + k), at_ms(1000 * k + i)));
             assert_false(ss_origin_hears_two(&origin, at_ms(1000 * k + i)));
+            assert_int_equal(origin.changes, k);
         }
     }
 }
