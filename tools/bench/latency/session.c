@@ -10,6 +10,7 @@
 #include "bench/core/child.h"
 #include "process.h"
 #include "rt/clock.h"
+#include "rt/files.h"
 #include "rt/thread.h"
 #include "softsim/client.h"
 
@@ -30,6 +31,7 @@ typedef struct chain {
     ss_child child[CHILDREN];
     bool is_started[CHILDREN];
     char bin[PATH_SIZE], prefix[32];
+    char csv[PATH_SIZE]; /* of the replay, if it were played to its end */
     char out_path[CHILDREN][PATH_SIZE], err_path[CHILDREN][PATH_SIZE];
 } chain;
 
@@ -149,8 +151,7 @@ static softsim_status start_clients(chain *c)
 {
     char repeat[24], bridge[PATH_SIZE];
     snprintf(repeat, sizeof repeat, "%lld", (long long)c->options->repeat);
-    const char *const replay[] = {"--repeat", repeat, "--csv", c->session->answers,
-                                  c->options->poses};
+    const char *const replay[] = {"--repeat", repeat, "--csv", c->csv, c->options->poses};
     const char *hand[MAX_WORDS + FIXED_WORDS] = {"--device", "sim", "--probe", "1"};
     enum { OWN_WORDS = 4 };
     snprintf(bridge, sizeof bridge, "%s", c->options->bridge);
@@ -248,8 +249,8 @@ static softsim_status stop_all(chain *c, softsim_status status)
         }
         const bool was_running = ss_child_is_running(&c->child[which]);
         const int result = ss_child_stop(&c->child[which], grace_s);
-        /* A replay that is stopped before its end says so by 1. */
-        const bool is_good = result == 0 || (which == REPLAY && was_running && result == 1);
+        /* The replay has poses for longer; stopped before its end it says so by 1. */
+        const bool is_good = which == REPLAY ? was_running && result == 1 : result == 0;
         if (status == SOFTSIM_OK && !is_good) {
             char what[48];
             snprintf(what, sizeof what, "ended with status %d", result);
@@ -274,7 +275,8 @@ softsim_status ss_session_run(const ss_session_options *options, ss_session *ses
     session->status_capacity = (int32_t)(8.0 * (options->seconds + 120.0));
     session->status = calloc((size_t)session->status_capacity, sizeof *session->status);
     snprintf(c.prefix, sizeof c.prefix, "BENCH_%ld", (long)getpid());
-    snprintf(session->answers, sizeof session->answers, "%.3000s/answers.csv", options->folder);
+    snprintf(c.csv, sizeof c.csv, "%.3000s/answers.csv", options->folder);
+    snprintf(session->answers, sizeof session->answers, "%.3100s" SS_FILES_PART, c.csv);
     if (session->status == NULL || !ss_child_own_folder(c.bin, sizeof c.bin)) {
         softsim_error_add(error, SOFTSIM_ERROR_SYSTEM, "out of memory, or no /proc");
         return SOFTSIM_ERROR_SYSTEM;

@@ -40,7 +40,7 @@ typedef struct ss_session {
     ss_session_status *status; /* every one received, also before and after */
     int32_t status_count, status_capacity;
     ss_bare_result bare;
-    char answers[4096]; /* path of the replay's CSV */
+    char answers[4096]; /* path of the replay's CSV, of a recording that was stopped */
     /* state */
     ss_bare *bare_state;
 } ss_session;
