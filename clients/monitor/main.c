@@ -22,6 +22,7 @@
 #include "status_json.h"
 
 static const int64_t patience_ns = 2000000000; /* without a status: the server is gone */
+static const int64_t doubt_ns = 1000000000;    /* four statuses: is it? */
 static const int64_t give_up_ns = 10000000000; /* --once: no server is coming */
 static const int64_t line_ns = 1000000000;
 static const int64_t slice_ns = 200000000; /* between looks at the clock and at signals */
@@ -82,28 +83,38 @@ static void say_silent(const char *program, double silent_s)
             program, silent_s);
 }
 
-/* An exit status: failure also when the time was up before any status came, or two servers were
- * heard. */
+/* At the end of its time a server in doubt is waited for until it is known to be gone. */
+static bool is_over(const monitor *m, int64_t past_ns, double duration_s, int64_t silent_ns)
+{
+    const bool is_in_doubt =
+        m->received_ns != 0 && silent_ns > doubt_ns && silent_ns <= patience_ns;
+    return duration_s > 0.0 && (double)past_ns >= 1e9 * duration_s && !is_in_doubt;
+}
+
+/* An exit status: failure also when the server was not heard at the end of the time, or two servers
+ * were heard. */
 static int watch(const char *program, monitor *m, softsim_client *client, double duration_s)
 {
     const int64_t start_ns = softsim_client_now_ns();
     bool is_told = false; /* of this silence */
+    bool is_gone = false; /* at the end */
     while (!m->is_done && !ss_process_is_stopped()) {
         const int64_t now_ns = softsim_client_now_ns();
         const int64_t silent_ns = now_ns - (m->received_ns != 0 ? m->received_ns : start_ns);
-        const bool is_over = duration_s > 0.0 && (double)(now_ns - start_ns) >= 1e9 * duration_s;
+        const bool is_end = is_over(m, now_ns - start_ns, duration_s, silent_ns);
         const bool is_hopeless = m->is_once && silent_ns > give_up_ns;
         is_told = is_told && silent_ns > patience_ns;
         if (!is_told && silent_ns > patience_ns) {
             say_silent(program, 1e-9 * (double)patience_ns);
             is_told = true;
-        } else if (!is_told && is_over && m->received_ns == 0) {
+        } else if (!is_told && is_end && m->received_ns == 0) {
             say_silent(program, duration_s);
         }
         if (is_hopeless) {
             fprintf(stderr, "%s: gave up after 10 s\n", program);
         }
-        if (is_over || is_hopeless) {
+        if (is_end || is_hopeless) {
+            is_gone = is_told;
             break;
         }
         if (softsim_client_wait(client, now_ns + slice_ns) < 0) {
@@ -116,7 +127,7 @@ static int watch(const char *program, monitor *m, softsim_client *client, double
         }
     }
     const bool is_one = !ss_process_tell_two(program, "", false);
-    return m->received_ns != 0 && is_one ? EXIT_SUCCESS : EXIT_FAILURE;
+    return m->received_ns != 0 && !is_gone && is_one ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 int main(int argc, char **argv)
@@ -128,7 +139,8 @@ int main(int argc, char **argv)
     const ss_arg rows[] = {
         SS_FLAG("--once", &m.is_once, "show one status and end"),
         SS_FLAG("--json", &m.is_json, "one line of JSON a status"),
-        {"--duration", SS_ARG_NUMBER, &duration_s, 1e-3, 1e6, "S", "ends after S"},
+        {"--duration", SS_ARG_NUMBER, &duration_s, 1e-3, 1e6, "S",
+         "ends after S; exit status 1 if the server is silent by then"},
         SS_TEXT(
             "--command", &command, "'NAME[ ARGUMENT]'",
             "sends reset, pause, resume, refresh, status, shutdown or 'set PATH=VALUE', prints the "

@@ -55,6 +55,23 @@ SERVED_TEST(monitor_tells_that_nobody_is_there)
     assert_non_null(strstr(asking.err, "no reply for 3 s"));
 }
 
+/* Heard to the end is 0, ended before is 1. */
+SERVED_TEST(monitor_fails_when_the_server_has_ended_before_its_time)
+{
+    const char *const argv[] = {"softsim-monitor", "--json", "--duration", "1", NULL};
+    const char *const longer[] = {"softsim-monitor", "--json", "--duration", "5", NULL};
+    stand_in.sends_status = true;
+    run_served(argv, 0);
+    stand_in.is_stopping = false;
+    start_server();
+    process_start(&child, longer, NULL);
+    const bool is_heard = process_wait_for(&child, "stand-in.yaml");
+    stop_server();
+    assert_int_equal(process_finish(&child), 1);
+    assert_true(is_heard);
+    assert_non_null(strstr(child.err, "no status for 2 s; is softsimd running"));
+}
+
 /* Started first and asked last: they take their time. */
 static int start_patient(void **state)
 {
