@@ -420,7 +420,7 @@ void ss_hub_stop(ss_hub *hub)
     }
 }
 
-void ss_hub_close(ss_hub **hub)
+void ss_hub_close(ss_hub **hub, softsim_error *error)
 {
     ss_hub *h = *hub;
     if (h == NULL) {
@@ -428,7 +428,7 @@ void ss_hub_close(ss_hub **hub)
     }
     ss_hub_stop(h);
     softsim_client_close(&h->client);
-    ss_recorder_close(&h->recorder);
+    ss_recorder_close(&h->recorder, error);
     ss_body_free(&h->body);
     free(h->scene);
     free(h->status);
@@ -480,7 +480,7 @@ softsim_status ss_hub_open(const ss_hub_config *config, ss_hub **out_hub, softsi
     hub->has_thread = status == SOFTSIM_OK;
     *out_hub = hub;
     if (status != SOFTSIM_OK) {
-        ss_hub_close(out_hub);
+        ss_hub_close(out_hub, error);
     }
     return status;
 }

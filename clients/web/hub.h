@@ -64,8 +64,8 @@ typedef struct ss_hub_view {
 softsim_status ss_hub_open(const ss_hub_config *config, ss_hub **out_hub, softsim_error *error);
 /* Ends its thread: it wakes nobody any more. Accepts NULL. */
 void ss_hub_stop(ss_hub *hub);
-/* Ends the thread and a recording; accepts NULL; nulls. */
-void ss_hub_close(ss_hub **hub);
+/* Ends the thread and a recording; accepts NULL; nulls. Adds to `error` as ss_recorder_close. */
+void ss_hub_close(ss_hub **hub, softsim_error *error);
 /* Has LCM failed? */
 bool ss_hub_is_broken(const ss_hub *hub);
 

@@ -130,11 +130,10 @@ int main(int argc, char **argv)
     }
     ss_hub_stop(hub);       /* its thread wakes the other */
     ss_serve_close(&serve); /* its browsers are forgotten by the hub */
-    ss_hub_close(&hub);
-    if (is_own_folder && rmdir(folder) != 0) {
-        fprintf(stderr, "%s: a recording that could not be finished is left in %s\n", program,
-                folder);
+    ss_hub_close(&hub, &error);
+    if (is_own_folder) {
+        rmdir(folder); /* it stays with a recording that could not be finished */
     }
-    return status == SOFTSIM_OK ? ss_program_finish(program, result)
-                                : ss_args_finish(program, status, &error);
+    return error.fault_count > 0 ? ss_args_finish(program, error.status, &error)
+                                 : ss_program_finish(program, result);
 }

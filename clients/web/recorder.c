@@ -54,6 +54,7 @@ struct ss_recorder {
     int64_t recorded, in_all; /* bytes */
     bool is_full;             /* all together are as large as they may be */
     uint64_t told_lost;
+    softsim_error unfinished; /* one fault a recording; read at the close */
     uint8_t data[SOFTSIM_LOG_MAX_DATA];
 
     pthread_mutex_t lock; /* of all below; never held while a file is touched */
@@ -167,6 +168,9 @@ static void end_recording(ss_recorder *recorder, const char *why)
     softsim_error error = {.status = SOFTSIM_OK};
     const uint64_t lost = atomic_load(&recorder->lost);
     const bool is_good = softsim_log_finish(&recorder->log, &error) == SOFTSIM_OK;
+    if (!is_good) {
+        softsim_error_append(&recorder->unfinished, error.status, error.text);
+    }
     snprintf(fault, sizeof fault, "%.400s", is_good ? why : error.text);
     if (lost > 0) {
         const size_t length = strlen(fault);
@@ -335,7 +339,7 @@ void ss_recorder_want(ss_recorder *recorder, bool is_wanted)
 
 /* ---- opening ---- */
 
-void ss_recorder_close(ss_recorder **recorder)
+void ss_recorder_close(ss_recorder **recorder, softsim_error *error)
 {
     ss_recorder *r = *recorder;
     if (r == NULL) {
@@ -345,6 +349,9 @@ void ss_recorder_close(ss_recorder **recorder)
         atomic_store(&r->is_ending, true);
         ss_wake_signal(r->wake);
         pthread_join(r->thread, NULL);
+    }
+    if (r->unfinished.fault_count > 0) {
+        softsim_error_append(error, r->unfinished.status, r->unfinished.text);
     }
     for (int32_t i = 0; i < r->count; ++i) {
         if (r->config.is_temporary && r->recordings[i].is_finished) {
@@ -386,7 +393,7 @@ softsim_status ss_recorder_open(const ss_recorder_config *config, ss_recorder **
     }
     recorder->has_thread = status == SOFTSIM_OK;
     if (status != SOFTSIM_OK) {
-        ss_recorder_close(out_recorder);
+        ss_recorder_close(out_recorder, error);
     }
     return status;
 }

@@ -34,9 +34,10 @@ typedef struct ss_recorder_config {
 /* Thread: main. */
 softsim_status ss_recorder_open(const ss_recorder_config *config, ss_recorder **out_recorder,
                                 softsim_error *error);
-/* Ends a recording, waits until it is on the disk, frees; accepts NULL; nulls. Thread: main, after
+/* Ends a recording, waits until it is on the disk, frees; accepts NULL; nulls. Adds to `error` each
+ * recording of the run that could not be finished, with what is left of it. Thread: main, after
  * the last ss_recorder_take. */
-void ss_recorder_close(ss_recorder **recorder);
+void ss_recorder_close(ss_recorder **recorder, softsim_error *error);
 
 /* Starts or ends a recording, soon. Thread: any. */
 void ss_recorder_want(ss_recorder *recorder, bool is_wanted);

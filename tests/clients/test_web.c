@@ -6,8 +6,10 @@
  */
 #include "common/test.h"
 
+#include <dirent.h>
 #include <inttypes.h>
 #include <math.h>
+#include <sys/stat.h>
 
 #include "web_fixture.h"
 
@@ -327,6 +329,22 @@ TEST_WITH(a_browser_is_told_the_field_that_it_asks_for, NULL, end_web)
     stop_browsed(fd);
 }
 
+/* The path of what is in `parent`, where nothing else is. */
+static void take_only_name(const char *parent, char out_path[512])
+{
+    DIR *entries = opendir(parent);
+    int count = 0;
+    assert_non_null(entries);
+    for (const struct dirent *entry = readdir(entries); entry != NULL; entry = readdir(entries)) {
+        if (entry->d_name[0] != '.') {
+            snprintf(out_path, 512, "%.200s/%.200s", parent, entry->d_name);
+            ++count;
+        }
+    }
+    closedir(entries);
+    assert_int_equal(count, 1);
+}
+
 TEST_WITH(a_recording_can_be_fetched_and_read, NULL, end_web)
 {
     char path[512], request[256];
@@ -349,6 +367,25 @@ TEST_WITH(a_recording_can_be_fetched_and_read, NULL, end_web)
         "softsim-run", SOURCE_DIR "/server/scenes/kidney.yaml", "--poses", path, "--hash", NULL};
     assert_int_equal(process_run(&run, argv), 0);
     stop_browsed(fd);
+}
+
+/* A folder that has come to stand in its place. */
+TEST_WITH(a_recording_that_cannot_be_finished_at_the_end_is_told, NULL, end_web)
+{
+    char path[512], part[512];
+    assert_int_equal(mkdir(in_folder("taken"), 0700), 0);
+    start_web("127.0.0.1", NULL, in_folder("taken"));
+    const int fd = open_browser();
+    send_line(fd, "record 1");
+    expect_text(fd, "\"type\": \"recording\", \"is_recording\": true");
+    take_only_name(in_folder("taken"), part);
+    snprintf(path, sizeof path, "%.*s", (int)(strlen(part) - strlen(".part")), part);
+    assert_int_equal(mkdir(path, 0700), 0);
+    close(fd);
+    stop_web(1);
+    assert_non_null(strstr(web.err, ".lcmlog: cannot write: "));
+    assert_non_null(strstr(web.err, part));
+    assert_int_equal(access(part, R_OK), 0);
 }
 
 /* Makes a recording, and that larger than what waits in the kernel; the request for it. */

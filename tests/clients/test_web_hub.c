@@ -98,7 +98,7 @@ static int open_hub(void **state)
 
 static int close_hub(void **state)
 {
-    ss_hub_close(&hub);
+    ss_hub_close(&hub, NULL);
     softsim_command_t_unsubscribe(lcm, heard_commands);
     lcm_destroy(lcm);
     return remove_folder(state);

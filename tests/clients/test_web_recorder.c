@@ -58,7 +58,7 @@ static void open_recorder(ss_recorder_config config)
 
 static int close_recorder(void **state)
 {
-    ss_recorder_close(&recorder);
+    ss_recorder_close(&recorder, NULL);
     free(told);
     told = NULL;
     return remove_folder(state);
@@ -271,7 +271,7 @@ TEST_WITH(temporary_recordings_go_at_the_end, begin, close_recorder)
         start();
         take(k);
     }
-    ss_recorder_close(&recorder);
+    ss_recorder_close(&recorder, NULL);
     assert_int_equal(rmdir(folder), 0);
     assert_int_equal(mkdir(folder, 0700), 0);
 }
@@ -295,11 +295,29 @@ TEST_WITH(what_the_disk_did_not_take_stays_where_it_is_said, begin, close_record
     assert_non_null(at);
     assert_int_equal(sscanf(at, "; what was recorded before is in %255[^\" ;]", part), 1);
     assert_non_null(strstr(part, "-2.lcmlog.part"));
-    ss_recorder_close(&recorder);
+    ss_recorder_close(&recorder, NULL);
     assert_int_equal(access(part, F_OK), 0);
     assert_int_equal(unlink(part), 0);
     assert_int_equal(rmdir(folder), 0); /* the finished one has gone */
     assert_int_equal(mkdir(folder, 0700), 0);
+}
+
+/* Nobody is left to ask for the fault then. */
+TEST_WITH(what_the_disk_does_not_take_at_the_end_is_told_by_the_close, begin, close_recorder)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    open_recorder((ss_recorder_config){0});
+    start();
+    take(0);
+    stop();
+    start();
+    take(1);
+    atomic_store(&is_full, true);
+    ss_recorder_close(&recorder, &error);
+    assert_int_equal(error.fault_count, 1);
+    assert_int_equal(error.status, SOFTSIM_ERROR_FILE);
+    assert_non_null(strstr(error.text, "-2.lcmlog: cannot write: "));
+    assert_non_null(strstr(error.text, "-2.lcmlog.part"));
 }
 
 int main(void)
