@@ -149,6 +149,8 @@ TEST(bad_curves_are_refused_with_their_line)
         {"time_s,force_n\n0,1\n0,1\n", "3: time_s 0 does not follow 0"},
         {"depth_m,force_n\n-0.001,1\n0.001,1\n", "2: depth_m -0.001 is below 0"},
         {"depth_m,force_n\n0.001,0\n0.002,0\n", "every force is 0"},
+        {"depth_m,force_n\n0.001,1\n0.002,1e308\n", "3: force_n 1e+308 is beyond 1000000 N"},
+        {"depth_m,force_n\n0.001,-1e308\n0.002,1\n", "2: force_n -1e+308 is beyond 1000000 N"},
     };
     for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
         ss_curve curve;

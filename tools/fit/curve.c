@@ -8,6 +8,7 @@
 #include "rt/csv.h"
 
 enum { DEPTH, TIME, FORCE, COLUMNS };
+enum { LARGEST_N = 1000000 }; /* forces beyond are a unit error, and their squares may overflow */
 
 /* Opens the file and says which of its columns are the points. */
 static softsim_status open_columns(const char *path, ss_csv *csv, bool *out_is_time,
@@ -40,6 +41,10 @@ static bool take_row(ss_curve *curve, const ss_csv *csv, double at, double force
     if (!isfinite(at) || !isfinite(force)) {
         softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
                           "%s:%lld: not a finite number; remove the row", curve->path, line);
+    } else if (fabs(force) > LARGEST_N) {
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
+                          "%s:%lld: force_n %g is beyond %d N; give it in newtons", curve->path,
+                          line, force, LARGEST_N);
     } else if (at < 0.0) {
         softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
                           "%s:%lld: %s %g is below 0; count it from the first touch%s", curve->path,

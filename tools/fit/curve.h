@@ -5,8 +5,8 @@
  * A measured curve: force against depth while pressing, or against time while holding.
  *
  * In: a CSV with the columns `depth_m,force_n` or `time_s,force_n`, a stranger's input. Out: its
- * points, checked: finite, increasing from 0 or more, two at least, not all without force.
- * Thread: set-up only.
+ * points, checked: finite, increasing from 0 or more, two at least, forces of 1e6 N at most, not
+ * all without force. Thread: set-up only.
  */
 #include <stdbool.h>
 #include <stdint.h>
