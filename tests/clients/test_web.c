@@ -472,8 +472,7 @@ TEST_WITH(a_recording_is_closed_when_its_taker_goes, NULL, end_web)
     int taker[TAKERS];
     start_web("127.0.0.1", NULL, folder);
     const int fd = open_browser();
-    assert_int_equal(get("/", ""), 200);
-    const int files = open_files();
+    const int files = open_files(); /* no other connection is just being closed */
     for (int64_t size = 0; size <= MORE; size += MORE) {
         make_large_recording(fd, size, request);
         for (int k = 0; k < TAKERS; ++k) {
