@@ -15,8 +15,8 @@ static const int64_t fade_ns = 20000000, fresh_ns = 10000000;
 static const double take_up_s = 0.05, longest_s = 0.01, give_back_s = 0.02;
 static const double slip_credit_m = 5e-3;
 static const double touch_n = 0.02;
-static const double free_debt_j = 0.1e-3, deep_debt_j = 0.3e-3, forget_s = 0.2, foreseen_s = 0.005;
-static const double most_damping_n_s_per_m = 60.0;
+static const double free_debt_j = 0.1e-3, forget_s = 0.4, foreseen_s = 0.005;
+static const double most_damping_n_s_per_m = 60.0, lightest_kg = 0.1, give_back_m = 0.03e-3;
 static const double least_cutoff_hz = 20.0, most_cutoff_hz = 100.0, cutoff_hz_per_m_per_s = 2000.0;
 
 void ss_corrector_init(ss_corrector *corrector, bool is_enabled, ss_corrector_limits limits)
@@ -88,9 +88,9 @@ static void correct(const softsim_force *force, const double moved[3], double ou
 /* What the hand did under the force exerted since the last call, `elapsed_s` ago. */
 static void note_motion(ss_corrector *corrector, double elapsed_s, const double position[3])
 {
-    const double cutoff_hz = fmin(
+    corrector->cutoff_hz = fmin(
         most_cutoff_hz, least_cutoff_hz + cutoff_hz_per_m_per_s * ss_norm3(corrector->velocity));
-    const double alpha = 1.0 - exp(-2.0 * SS_PI * cutoff_hz * elapsed_s);
+    const double alpha = 1.0 - exp(-2.0 * SS_PI * corrector->cutoff_hz * elapsed_s);
     double moved[3];
     ss_sub3(moved, position, corrector->exerted_at);
     corrector->energy_j -= ss_dot3(corrector->exerted, moved);
@@ -152,10 +152,11 @@ static void damp(ss_corrector *corrector, int64_t now_ns, double elapsed_s, doub
         const double allowed = fmax(0.0, corrector->energy_j + free_debt_j);
         const double share = given > allowed ? 1.0 - allowed / given : 0.0;
         const double damping =
-            most_damping_n_s_per_m * fmax(1.0, -corrector->energy_j / deep_debt_j);
+            fmin(most_damping_n_s_per_m, lightest_kg * 2.0 * SS_PI * corrector->cutoff_hz);
         taken = fmin(share, damping * speed / size);
     }
-    corrector->taken = fmax(taken, corrector->taken * exp(-elapsed_s / give_back_s));
+    const double rate = 1.0 / give_back_s + fmax(0.0, -speed) / give_back_m;
+    corrector->taken = fmax(taken, corrector->taken * exp(-elapsed_s * rate));
     ss_scale3(force, force, 1.0 - corrector->taken);
 }
 

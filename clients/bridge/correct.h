@@ -31,21 +31,27 @@
  * (a spring that was paid for gives back no more than it took, and loses nothing here). Where W is
  * more than E + 0.1 mJ, the force is
  *
- *   F max((E + 0.1 mJ) / W, 1 - alpha v / F, 0),   alpha = 60 N s/m max(1, -E / 0.3 mJ)
+ *   F max((E + 0.1 mJ) / W, 1 - alpha v / F, 0),   alpha = min(60 N s/m, 0.1 kg 2 pi f)
  *
  * and never more than F: a hand that presses feels what it felt. (With one period for 5 ms, 3 N on
- * a hand that left at .6 m/s were gone in a tick.) What is taken off is given back in 20 ms: else
- * the next tick of a tap that left had all of it again, and the one after it nothing. v
- * is filtered at 20 Hz and 2 Hz for each mm/s of it (Casiez, Roussel and Vogel, 1 euro filter, CHI
- * 2012): a count of 30 um of a hand at rest is 4 mm/s, a tap is known after 3 ms. (At 100 Hz it was
- * 14, and in a debt each count took half of the force for a tick.) Debts are forgotten within 0.2
- * s, so that tissue which moves of itself, or at another tool, still pushes a hand, slowly. While
- * the server lets a tool in (its force is flagged so, and comes), it counts what it presses in for
- * the hand and damps by itself, and here nothing is counted; what the contact has stored when that
- * ends, F^2 / 2 S, is the hand's. At the force limit S is 0, and the contact has stored F times a
- * slip that is not told: 5 mm of it are the hand's until S is. So it is where forces come again.
- * (Counted as a debt, each count of the device on the way out took the whole force for a tick:
- * after a gap of 50 ms it buzzed between nothing and all.)
+ * a hand that left at .6 m/s were gone in a tick.) v is filtered at f = 20 Hz and 2 Hz for each
+ * mm/s of it (Casiez, Roussel and Vogel, 1 euro filter, CHI 2012): a count of 30 um of a hand at
+ * rest is 4 mm/s, a tap is known after 3 ms. (At 100 Hz it was 14, and in a debt each count took
+ * half of the force for a tick.) It is late by 1 / 2 pi f, and alpha as much smaller: with 60 N s/m
+ * at any speed a hand and device of 60 g that came to rest in debt were swung by 1 N on and on.
+ *
+ * What is taken off is given back in 20 ms: else the next tick of a tap that left had all of it
+ * again, and the one after it nothing. A hand that turns and presses has it back within 0.03 mm, or
+ * it would pay less for the way in than it got for the way out, and never be out of debt. Debts are
+ * forgotten within 0.4 s, so that tissue which moves of itself, or at another tool, still pushes a
+ * hand, slowly.
+ *
+ * While the server lets a tool in (its force is flagged so, and comes), it counts what it presses
+ * in for the hand and damps by itself, and here nothing is counted; what the contact has stored
+ * when that ends, F^2 / 2 S, is the hand's. At the force limit S is 0, and the contact has stored F
+ * times a slip that is not told: 5 mm of it are the hand's until S is. So it is where forces come
+ * again. (Counted as a debt, each count of the device on the way out took the whole force for a
+ * tick: after a gap of 50 ms it buzzed between nothing and all.)
  *
  * The force stays within the limits that the server holds: corrected, its size is at most L, or
  * that of the answer where this is more (a limit is being lowered); corrected or not, it moves by
@@ -88,7 +94,8 @@ typedef struct ss_corrector {
     double undamped[3]; /* the last force, before its share and what is damped */
     int64_t exerted_ns;
     double exerted[3], exerted_at[3];
-    double velocity[3]; /* m/s */
+    double velocity[3]; /* m/s, */
+    double cutoff_hz;   /* filtered so */
     double energy_j;    /* that it has taken from the hand */
     struct {
         int32_t seq; /* 0: empty */
