@@ -511,6 +511,28 @@ TEST(the_program_writes_the_scene_with_its_origin)
     assert_ptr_equal(strstr(text, "curve,at,force_n,fitted_n\n0,0.002,"), text);
 }
 
+/* What no scene can be written with is told before the work: no place for a list, an exit of 2. */
+TEST(the_program_tells_before_the_work_what_cannot_be_written)
+{
+    char told[4096];
+    write_text("press.csv", "depth_m,force_n\n0.006,1\n0.012,3\n");
+    write_text("tool.yaml", plate);
+    FILE *file = fopen(in_folder("tool.yaml"), "a");
+    assert_non_null(file);
+    fputs("contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]}\n", file);
+    fclose(file);
+    const char *scene = in_folder("tool.yaml");
+    const char *curve = in_folder("press.csv");
+    const char *out = in_folder("never.yaml");
+    const char *argument[] = {"--scene", scene,   "--curve", curve, "--out",
+                              out,       "--set", tool,      NULL};
+    assert_int_equal(run_program(argument), 2);
+    read_text("err.txt", told, sizeof told);
+    assert_non_null(strstr(told, "contact.tools is a list or a mapping there"));
+    assert_null(strstr(told, "misfit"));
+    assert_int_not_equal(access(out, F_OK), 0);
+}
+
 TEST(the_program_refuses_what_is_wrong)
 {
     char told[4096];
