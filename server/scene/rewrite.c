@@ -60,6 +60,15 @@ static bool splice(rewriter *r, size_t offset, size_t length, const char *with)
     return true;
 }
 
+/* Puts `with` in the place of a scalar. The tree's place of one in quotes lies between them: they
+ * go with it, as `with` brings its own. */
+static bool replace(rewriter *r, const ss_scene_node *node, const char *with)
+{
+    const char before = node->is_quoted && node->offset > 0 ? r->text[node->offset - 1] : ' ';
+    const size_t quote = before == '"' || before == '\'' ? 1 : 0; /* none: a block of lines */
+    return splice(r, node->offset - quote, node->length + 2 * quote, with);
+}
+
 /* ---- one assignment ---- */
 
 /* A value as an assignment gives it: lists and mappings as they are, else one scalar. */
@@ -136,7 +145,7 @@ static bool assign(rewriter *r, const char *assignment)
                           assignment);
         return false;
     }
-    const bool is_empty = node->kind == SS_SCENE_SCALAR && node->length == 0;
+    const bool is_empty = node->kind == SS_SCENE_SCALAR && node->length == 0 && !node->is_quoted;
     if (rest == equals && node->kind != SS_SCENE_SCALAR) {
         softsim_error_add(r->error, SOFTSIM_ERROR_ARGUMENT,
                           "%s: %.*s is a list or a mapping there, which cannot be replaced in its "
@@ -167,8 +176,9 @@ static bool assign(rewriter *r, const char *assignment)
     }
     fputs(is_empty && rest < equals ? "}" : "", stream);
     fputs(after, stream);
-    const bool is_good = fclose(stream) == 0 &&
-                         splice(r, offset, rest < equals || is_empty ? 0 : node->length, with);
+    const bool is_good =
+        fclose(stream) == 0 &&
+        (rest < equals || is_empty ? splice(r, offset, 0, with) : replace(r, node, with));
     free(with);
     return is_good;
 }
@@ -191,7 +201,7 @@ static bool move_files(rewriter *r, const ss_scene_node *node, const ss_scene_no
             return fault_memory(r);
         }
         ss_scene_put_text(stream, path, true);
-        const bool is_good = fclose(stream) == 0 && splice(r, node->offset, node->length, with);
+        const bool is_good = fclose(stream) == 0 && replace(r, node, with);
         free(with);
         return is_good;
     }

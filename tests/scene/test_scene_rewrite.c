@@ -134,6 +134,54 @@ TEST(files_are_found_from_another_folder)
     assert_int_equal(rmdir(other), 0);
 }
 
+/* A text as it may stand in a file, and the values with which it must be replaced whole. */
+TEST(a_text_in_quotes_is_replaced_with_its_quotes)
+{
+    static const char *const written[] = {"cube.msh",         "\"cube.msh\"", "'cube.msh'",
+                                          "\"\\x63ube.msh\"", "\"\"",         "''"};
+    const char *set[][1] = {{"object.mesh=cube_m.msh"}, {"object.mesh=./b_#1.msh"}};
+    static const char *const becomes[] = {"cube_m.msh", "\"./b_#1.msh\""};
+    FILE *stream = open_file("b_#1.msh");
+    print_cube(stream, 20);
+    fclose(stream);
+    for (size_t k = 0; k < sizeof written / sizeof *written; ++k) {
+        for (int v = 0; v < 2; ++v) {
+            char source[256], expected[256];
+            static const char form[] = "object: {mesh: %s, units: mm}\nsoftsim: 1\n"
+                                       "model: {name: jelly, modulus_j: 1}\n";
+            snprintf(source, sizeof source, form, written[k]);
+            snprintf(expected, sizeof expected, form, becomes[v]);
+            char *out = rewrite(source, set[v], 1, folder);
+            assert_non_null(out);
+            assert_string_equal(out, expected);
+            free(out);
+        }
+    }
+}
+
+TEST(files_in_quotes_are_found_from_another_folder)
+{
+    static const char *const quote[] = {"", "\"", "'"};
+    const char *other = in_folder("other");
+    assert_int_equal(mkdir(other, 0777), 0);
+    for (int k = 0; k < 3; ++k) {
+        char source[256], expected[1600];
+        static const char form[] = "softsim: 1\nobject:\n  mesh: %s%s%s # of a cube\n  units: mm\n"
+                                   "model: {name: jelly, modulus_j: 1, rho: {file: %s%s%s}}\n";
+        char mesh[600], table[600];
+        snprintf(mesh, sizeof mesh, "%s/cube.msh", folder);
+        snprintf(table, sizeof table, "%s/rho.csv", folder);
+        snprintf(source, sizeof source, form, quote[k], "cube.msh", quote[k], quote[k], "rho.csv",
+                 quote[k]);
+        snprintf(expected, sizeof expected, form, "\"", mesh, "\"", "\"", table, "\"");
+        char *out = rewrite(source, NULL, 0, other);
+        assert_non_null(out);
+        assert_string_equal(out, expected);
+        free(out);
+    }
+    assert_int_equal(rmdir(other), 0);
+}
+
 TEST(lists_and_lost_folders_are_refused)
 {
     const char *list[] = {"model.rho=3"};

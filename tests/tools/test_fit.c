@@ -339,6 +339,64 @@ TEST(alpha_is_not_told_without_a_toe)
     ss_fit_fini(&fit);
 }
 
+/* What is told of the fit of a cube of six tetrahedra, 2 of `unit` long, by `name`. */
+static void tell_cube(const char *unit, const char *name, double radius_mm, double depth,
+                      char *told)
+{
+    char scene[512], model[64], shape[128];
+    write_text("cube.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 2 0 0\n"
+                           "3 0 2 0\n4 2 2 0\n5 0 0 2\n6 2 0 2\n7 0 2 2\n8 2 2 2\n$EndNodes\n"
+                           "$Elements\n6\n1 4 0 1 2 4 8\n2 4 0 1 4 3 8\n3 4 0 1 3 7 8\n"
+                           "4 4 0 1 7 5 8\n5 4 0 1 5 6 8\n6 4 0 1 6 2 8\n$EndElements\n");
+    snprintf(scene, sizeof scene,
+             "softsim: 1\n"
+             "object: {mesh: cube.msh, units: %s, fixed: [{box_m: [[-1, -1, -1], [1, 1, 1e-4]]}]}\n"
+             "model: {name: fem, material: neo-hookean, youngs_modulus_pa: 10000,\n"
+             "  poisson_ratio: 0.45, density_kg_m3: 1000, mass_damping_per_s: 30}\n"
+             "contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: %g}}}]}\n",
+             unit, radius_mm);
+    write_text("cube.yaml", scene);
+    snprintf(model, sizeof model, "model.name=%s", name);
+    snprintf(shape, sizeof shape, "depth_m,force_n\n%g,1\n%g,2\n", 0.5 * depth, depth);
+    write_text("cube.csv", shape);
+    const char *set[] = {model};
+    static ss_fit fit;
+    fit = (ss_fit){.scene = {in_folder("cube.yaml"), set, 1},
+                   .curve_count = 1,
+                   .parameter_count = 1,
+                   .solve = {.n = 1, .spread = {0.005}, .has_settled = true},
+                   .run = {.reason = ""}};
+    error = (softsim_error){0};
+    ss_curve_read(in_folder("cube.csv"), &fit.curve[0], &error);
+    ss_press_plan(&fit.scene, NULL, depth, 0.2, &fit.press[0], &error);
+    if (error.fault_count > 0) {
+        fail_msg("%s", error.text);
+    }
+    snprintf(fit.parameter[0].path, sizeof fit.parameter[0].path, "model.youngs_modulus_pa");
+    fit.force[0] = calloc((size_t)fit.curve[0].count, sizeof *fit.force[0]);
+    told[0] = '\0';
+    ss_fit_tell(&fit, gather, told);
+    ss_fit_fini(&fit);
+}
+
+/* Linear tetrahedra are stiff where the contact is not much wider than their edges, however large
+ * the tool: the scatter of the fit says nothing of it. */
+TEST(a_constant_that_makes_up_for_a_stiff_mesh_is_told)
+{
+    char told[4096];
+    if (!ss_model_find("fem") || !ss_model_find("fem-quadratic")) {
+        skip();
+    }
+    tell_cube("cm", "fem", 30.0, 0.002, told); /* edges of 20 mm, a contact of 7.7 mm */
+    assert_non_null(strstr(told, "it fits this mesh, not the tissue"));
+    assert_null(strstr(told, "the mesh is coarse for the tool"));
+    assert_non_null(strstr(told, "within 0.5 % by the scatter of the fit alone"));
+    tell_cube("cm", "fem-quadratic", 30.0, 0.002, told);
+    assert_null(strstr(told, "it fits this mesh"));
+    tell_cube("mm", "fem", 100.0, 0.0005, told); /* edges of 2 mm, a contact of 7.1 mm */
+    assert_null(strstr(told, "it fits this mesh"));
+}
+
 TEST(the_press_is_where_and_as_it_is_said_to_be)
 {
     const char *set[] = {tool};
@@ -509,6 +567,28 @@ TEST(the_program_writes_the_scene_with_its_origin)
     assert_non_null(strstr(value, "   # guessed\n"));
     read_text("fitted.csv", text, sizeof text);
     assert_ptr_equal(strstr(text, "curve,at,force_n,fitted_n\n0,0.002,"), text);
+}
+
+/* What no scene can be written with is told before the work: no place for a list, an exit of 2. */
+TEST(the_program_tells_before_the_work_what_cannot_be_written)
+{
+    char told[4096];
+    write_text("press.csv", "depth_m,force_n\n0.006,1\n0.012,3\n");
+    write_text("tool.yaml", plate);
+    FILE *file = fopen(in_folder("tool.yaml"), "a");
+    assert_non_null(file);
+    fputs("contact: {tools: [{probe: 0, shape: {sphere: {radius_mm: 8}}}]}\n", file);
+    fclose(file);
+    const char *scene = in_folder("tool.yaml");
+    const char *curve = in_folder("press.csv");
+    const char *out = in_folder("never.yaml");
+    const char *argument[] = {"--scene", scene,   "--curve", curve, "--out",
+                              out,       "--set", tool,      NULL};
+    assert_int_equal(run_program(argument), 2);
+    read_text("err.txt", told, sizeof told);
+    assert_non_null(strstr(told, "contact.tools is a list or a mapping there"));
+    assert_null(strstr(told, "misfit"));
+    assert_int_not_equal(access(out, F_OK), 0);
 }
 
 TEST(the_program_refuses_what_is_wrong)

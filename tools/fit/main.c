@@ -261,8 +261,8 @@ static void show_progress(int32_t evaluations, double misfit)
     ss_progress_stage("%d evaluations, misfit %.3g %%", evaluations, 100.0 * misfit);
 }
 
-/* The scene's text with the answer in it, and what was found before it. */
-static char *compose(const fit_options *o, const ss_fit *fit, softsim_error *error)
+/* The scene's text with the answer in it, and before it what was found, where that is known. */
+static char *compose(const fit_options *o, const ss_fit *fit, bool is_found, softsim_error *error)
 {
     char assignment[SS_FIT_MAX_PARAMETERS][SS_FIT_PATH_SIZE + 32];
     const char *set[SS_ARG_LIST_MAX + SS_FIT_MAX_PARAMETERS];
@@ -287,7 +287,9 @@ static char *compose(const fit_options *o, const ss_fit *fit, softsim_error *err
     FILE *stream = text ? open_memstream(&whole, &size) : NULL;
     if (stream) {
         fprintf(stream, "# Fitted by softsim-fit %s.\n", SOFTSIM_VERSION);
-        ss_fit_tell(fit, to_comment, stream);
+        if (is_found) {
+            ss_fit_tell(fit, to_comment, stream);
+        }
         fputs(text, stream);
         fclose(stream);
         /* What is written must be a scene, and the same one. */
@@ -301,6 +303,18 @@ static char *compose(const fit_options *o, const ss_fit *fit, softsim_error *err
     ss_scene_destroy(&again);
     free(text);
     return whole;
+}
+
+/* Can the answer be written where it is to go? Asked with the start, before the work. */
+static softsim_status check_composed(const fit_options *o, ss_fit *fit, softsim_error *error)
+{
+    for (int32_t i = 0; i < fit->parameter_count; ++i) {
+        fit->value[i] = fit->parameter[i].start;
+    }
+    char *text = compose(o, fit, false, error);
+    const bool is_good = text != NULL;
+    free(text);
+    return is_good ? SOFTSIM_OK : SOFTSIM_ERROR_SCENE;
 }
 
 /* Opens the results and takes room for them before the work, so that it is not for nothing. */
@@ -327,7 +341,7 @@ static softsim_status open_outputs(const fit_options *o, const ss_fit *fit, ss_o
 static softsim_status write_scene(const fit_options *o, const ss_fit *fit, ss_output *output,
                                   softsim_error *error)
 {
-    char *text = compose(o, fit, error);
+    char *text = compose(o, fit, true, error);
     if (!text) {
         return SOFTSIM_ERROR_SCENE;
     }
@@ -365,6 +379,9 @@ int main(int argc, char **argv)
     ss_progress_begin("softsim-fit", "0 evaluations");
     ss_progress_stage("0 evaluations");
     softsim_status status = plan(&options, &fit, &levels, &error);
+    if (status == SOFTSIM_OK) {
+        status = check_composed(&options, &fit, &error);
+    }
     if (status == SOFTSIM_OK) {
         status = open_outputs(&options, &fit, &out, &fitted, &error);
     }

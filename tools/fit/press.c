@@ -260,11 +260,7 @@ static bool approach(ss_world *world, ss_press *press)
 static bool plan_patch(const ss_world *world, const double *area, ss_press *press)
 {
     const ss_mesh *mesh = world->scene->mesh;
-    const double reach =
-        PATCH_EDGES *
-        ss_mesh_mean_side((const double(*)[3])mesh->position, (const int32_t(*)[3])mesh->triangle,
-                          mesh->triangle_count) *
-        (1.0 + 1e-9);
+    const double reach = press->contact * (1.0 + 1e-9);
     size_t size = 0;
     FILE *stream = open_memstream(&press->patch, &size);
     if (!stream) {
@@ -341,8 +337,11 @@ static softsim_status plan_in(ss_world *world, const ss_press_scene *scene, cons
     const ss_mesh *mesh = world->scene->mesh;
     out->edge = ss_mesh_mean_side((const double(*)[3])mesh->position,
                                   (const int32_t(*)[3])mesh->triangle, mesh->triangle_count);
+    out->is_stiff = world->model_class->needs_volume && !world->model_class->takes_second_order;
+    out->contact = PATCH_EDGES * out->edge;
     if (out->probe >= 0) {
         out->tool_radius = ss_shape_inradius(&world->scene->tool[out->probe].shape);
+        out->contact = fmin(sqrt(out->tool_radius * out->depth), out->tool_radius);
     }
     const softsim_status status = check_depth(world, out, error);
     if (status != SOFTSIM_OK) {

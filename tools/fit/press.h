@@ -42,6 +42,8 @@ typedef struct ss_press {
     double depth, press_s;      /* m, s: of the press */
     double limit;               /* m: the tissue ends there */
     double edge, tool_radius;   /* m: the surface's mean edge, the tool's inradius (patch: 0) */
+    double contact;             /* m: its radius at the depth by Hertz, a^2 = R d, or the patch's */
+    bool is_stiff;              /* by the model's tetrahedra, which are linear */
 } ss_press;
 
 /* Finds place and direction (`at` NULL: chosen) on the scene as it is, and whether the depth can be
