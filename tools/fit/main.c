@@ -380,10 +380,10 @@ int main(int argc, char **argv)
     ss_progress_stage("0 evaluations");
     softsim_status status = plan(&options, &fit, &levels, &error);
     if (status == SOFTSIM_OK) {
-        status = check_composed(&options, &fit, &error);
+        status = open_outputs(&options, &fit, &out, &fitted, &error);
     }
     if (status == SOFTSIM_OK) {
-        status = open_outputs(&options, &fit, &out, &fitted, &error);
+        status = check_composed(&options, &fit, &error);
     }
     exit_code = status == SOFTSIM_OK ? 0 : 2;
     if (status == SOFTSIM_OK) {
