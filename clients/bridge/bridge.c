@@ -76,18 +76,20 @@ void ss_bridge_fini(ss_bridge *bridge)
 }
 
 /* What a full pipe or a stopped terminal has no room for is left out: the loop would wait with the
- * last force exerted. */
-__attribute__((format(printf, 2, 3))) static void tell(const ss_bridge *bridge, const char *format,
+ * last force exerted. False then. */
+__attribute__((format(printf, 2, 3))) static bool tell(const ss_bridge *bridge, const char *format,
                                                        ...)
 {
-    if (bridge->config.program != NULL && ss_program_can_tell()) {
-        char text[256];
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(text, sizeof text, format, arguments);
-        va_end(arguments);
-        ss_plain_print(stderr, "%s: %s\n", bridge->config.program, text);
+    if (bridge->config.program == NULL || !ss_program_can_tell()) {
+        return false;
     }
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    ss_plain_print(stderr, "%s: %s\n", bridge->config.program, text);
+    return true;
 }
 
 /* ---- one tick ---- */
@@ -121,7 +123,7 @@ static void write_row(ss_bridge *bridge, const double moved[3])
     }
     fputc('\n', csv);
     if (!ss_output_pace(bridge->config.csv)) {
-        tell(bridge, "%s cannot be written on; is the disk full?", bridge->config.csv->path);
+        (void)tell(bridge, "%s cannot be written on; is the disk full?", bridge->config.csv->path);
         bridge->config.csv = NULL;
     }
 }
@@ -289,9 +291,9 @@ static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t ar
         bridge->other_since_ns = 0;
     }
     if (summary->has_stopped) {
-        tell(bridge, "forces again at %.1f s, after %.1f s",
-             1e-9 * (double)(arrival_ns - bridge->start_ns),
-             1e-9 * (double)(arrival_ns - bridge->last_force_ns));
+        (void)tell(bridge, "forces again at %.1f s, after %.1f s",
+                   1e-9 * (double)(arrival_ns - bridge->start_ns),
+                   1e-9 * (double)(arrival_ns - bridge->last_force_ns));
         summary->has_stopped = false;
     }
     bridge->last_force_ns = arrival_ns;
@@ -329,10 +331,10 @@ static void take_arrived(ss_bridge *bridge, int64_t now_ns)
     if (bridge->summary.forces > 0 && !bridge->summary.has_stopped &&
         now_ns - bridge->last_force_ns > away_ns) {
         bridge->summary.has_stopped = true;
-        tell(bridge, "forces stopped at %.1f s; %s",
-             1e-9 * (double)(bridge->last_force_ns - bridge->start_ns),
-             bridge->other_since_ns != 0 ? "another sender has taken the probe"
-                                         : "is softsimd still running?");
+        (void)tell(bridge, "forces stopped at %.1f s; %s",
+                   1e-9 * (double)(bridge->last_force_ns - bridge->start_ns),
+                   bridge->other_since_ns != 0 ? "another sender has taken the probe"
+                                               : "is softsimd still running?");
     }
 }
 
@@ -347,6 +349,23 @@ static void watch_servers(ss_bridge *bridge, const softsim_client *client)
         ss_process_tell_two(bridge->config.program, "the force is let go", are_two);
     }
     bridge->summary.has_withheld = bridge->summary.has_withheld || are_two;
+}
+
+/* Another server is taken up, but said once, as soon as stderr takes it: the hand may stand deep in
+ * a body that is elsewhere. */
+static void note_change(ss_bridge *bridge, const softsim_client *client, int64_t now_ns)
+{
+    if (bridge->changed_ns == 0 && softsim_client_server_changes(client) > 0) {
+        bridge->changed_ns = now_ns;
+        bridge->summary.has_changed = true;
+    }
+    if (bridge->changed_ns != 0 && !bridge->is_change_told) {
+        bridge->is_change_told =
+            tell(bridge,
+                 "another server answers since %.1f s: its body has felt nothing before, and may "
+                 "be another; start the bridge again, which finds its tissue",
+                 1e-9 * (double)(bridge->changed_ns - bridge->start_ns));
+    }
 }
 
 /* Is the run over? One that has an end of its own is complete only there. */
@@ -416,6 +435,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
         const int64_t now_ns = softsim_client_now_ns();
         take_arrived(bridge, now_ns);
         watch_servers(bridge, client);
+        note_change(bridge, client, now_ns);
         if (bridge->wants_scene) {
             bridge->wants_scene = false;
             (void)softsim_client_send_command(client, "refresh", "");

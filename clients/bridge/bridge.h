@@ -12,7 +12,8 @@
  * A late period is counted and not made up for: the simulated device then simply stands still
  * meanwhile, which costs realism but never runs two periods on one force.
  * Forces that stay away for a quarter of a second have stopped, and stderr says so; the device's
- * have long faded by then (correct.h). A server that is started again is simply taken up again.
+ * have long faded by then (correct.h). A server that is started again, or another in its place, is
+ * taken up, its force as it ramps it in; stderr says so, and the run is not of one body.
  * While two servers answer, the force goes to zero in 20 ms, and comes back in 500 ms when one is
  * left: no hand shall feel now one body, now the other.
  * Thread: one, main. Nothing is allocated while it runs; rows of the CSV go into a large buffer,
@@ -55,6 +56,7 @@ typedef struct ss_bridge_summary {
     bool was_inside;   /* the first forces were faded in: the hand began inside the tissue */
     bool has_stopped;  /* forces came, and were away at the end */
     bool has_withheld; /* two servers were heard */
+    bool has_changed;  /* one server's forces came after another's */
     bool is_complete;  /* ran to its own end, or has none and was stopped */
     /* Places that the tool was at: every `way_every`-th period's, thinned out when there is no more
      * room. For one that has missed the tissue. */
@@ -86,8 +88,10 @@ typedef struct ss_bridge {
     double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
-    double withheld;                 /* share of the force that is kept back: two servers answer */
-    ss_bus *poses_out, *forces_in;   /* NULL without a server */
+    int64_t changed_ns;              /* another server answers since; 0: none does */
+    bool is_change_told;
+    double withheld;               /* share of the force that is kept back: two servers answer */
+    ss_bus *poses_out, *forces_in; /* NULL without a server */
     ss_bridge_summary summary;
 } ss_bridge;
 

@@ -296,17 +296,19 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
         tell_miss(program, &config, (int32_t)o->probe, &bridge->summary);
     }
     const ss_bridge_summary *s = &bridge->summary;
-    return is_good && s->forces > 0 && !s->has_stopped && !s->has_withheld ? EXIT_SUCCESS
-                                                                           : EXIT_FAILURE;
+    const bool is_of_one = !s->has_withheld && !s->has_changed;
+    return is_good && s->forces > 0 && !s->has_stopped && is_of_one ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-/* A recording has its own name only when it is complete. */
+/* A recording has its own name only when it is complete, and of one server. */
 static bool finish_csv(const char *program, const ss_bridge_summary *summary, ss_output *csv,
                        softsim_error *error)
 {
     if (!summary->is_complete) {
         fprintf(stderr, "%s: ended before its time, after %" PRId64 " ticks\n", program,
                 summary->ticks);
+    }
+    if (!summary->is_complete || summary->has_changed) {
         ss_output_keep(csv, error);
     } else {
         ss_output_commit(csv, error);

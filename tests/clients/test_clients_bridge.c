@@ -336,6 +336,31 @@ SERVED_TEST(bridge_tells_that_forces_stop)
     } while (at_s < 0.4);
 }
 
+/* It goes on, but what it keeps is not of one body: told once, exit 1, and no file of that name.
+ * Where the machine lets no answer of the other through in time, it is asked again. */
+SERVED_TEST(bridge_tells_that_another_server_answers)
+{
+    const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0",
+                                "--ticks",        "1500",     "--csv", csv,          NULL};
+    const char *said = NULL;
+    double at_s = 0.0;
+    for (int runs = 0; said == NULL; ++runs) {
+        assert_true(runs < 20);
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.replaced_from = 300;
+        run_served(argv, 1);
+        said = strstr(child.err, "another server answers since ");
+    }
+    assert_int_equal(sscanf(said, "another server answers since %lf s", &at_s), 1);
+    assert_true(at_s >= 0.3);
+    assert_null(strstr(said + 1, "another server answers"));
+    assert_non_null(strstr(child.out, "ticks       1500,"));
+    assert_non_null(strstr(child.err, "b.csv: not complete; what was recorded is in "));
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(count_lines(part, false), 1501);
+}
+
 SERVED_TEST(bridge_tells_whose_the_probe_is)
 {
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
