@@ -673,6 +673,14 @@ uint8_t *ss_hub_next(ss_hub *hub, ss_hub_view *view, size_t before, size_t *out_
     return message;
 }
 
+bool ss_hub_is_held_by(ss_hub *hub, const ss_hub_view *view)
+{
+    pthread_mutex_lock(&hub->lock);
+    const bool is_held = hub->mouse_browser == view->browser;
+    pthread_mutex_unlock(&hub->lock);
+    return is_held;
+}
+
 void ss_hub_drop(ss_hub *hub, const ss_hub_view *view)
 {
     pthread_mutex_lock(&hub->lock);

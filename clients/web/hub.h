@@ -80,6 +80,8 @@ void ss_hub_command(ss_hub *hub, const ss_hub_view *view, const char *name, cons
 /* Aims the mouse's probe number `probe`, taking it where nobody holds it. False: another browser
  * does, the aim is bad, or the scene, once there is one, has no such tool. */
 bool ss_hub_aim(ss_hub *hub, const ss_hub_view *view, int32_t probe, const ss_mouse_aim *aim);
+/* Has this browser the mouse's probe? */
+bool ss_hub_is_held_by(ss_hub *hub, const ss_hub_view *view);
 /* Lets go of the probe, where this browser holds it. */
 void ss_hub_drop(ss_hub *hub, const ss_hub_view *view);
 /* Starts or ends a recording. */

@@ -24,6 +24,7 @@ enum {
     UNSENT = 16384, /* bytes for a browser that wait in the kernel */
     CHUNK = 65536,  /* bytes of a file at once */
     TAKING_S = 10,  /* for each of them */
+    USED_S = 10,    /* after its last line a page is still in use */
     PATH_SIZE = 256,
     DISPLACED = 4000,    /* why a WebSocket is closed: another has its place. The page knows it */
     COOKIES_SIZE = 4096, /* as much as the library takes of a header */
@@ -58,7 +59,8 @@ struct browser {
     char line[LINE_SIZE + 1];
     size_t length;
     double lines_left;
-    int64_t line_ns; /* of the last line, at first of the opening */
+    int64_t line_ns;   /* of the last line, at first of the opening */
+    bool has_said_one; /* a line */
 };
 
 /* ---- permission ---- */
@@ -354,6 +356,7 @@ static bool is_within_rate(browser *b)
     const double earned = 1e-9 * (double)(now_ns - b->line_ns) * LINES_PER_S;
     b->lines_left = b->lines_left + earned < LINES_BURST ? b->lines_left + earned : LINES_BURST;
     b->line_ns = now_ns;
+    b->has_said_one = true;
     b->lines_left -= 1.0;
     return b->lines_left >= 0.0;
 }
@@ -427,19 +430,36 @@ static void close_browser(ss_serve *serve, struct lws *wsi, browser *b)
     }
 }
 
-/* In a full room the browser that has said nothing for longest gives way, and is a guest until it
- * has gone. Nobody can tell a page that is only watched from a program that only answers pings, so
- * both may have to; a page that is used stays. Rejected: to refuse the next, which 32 such programs
- * would do to everybody for ever. */
+/* 0: it may give way, 1: it is in use, 2: it has the hand. */
+static int rank(const ss_serve *serve, const browser *b, int64_t now_ns)
+{
+    if (ss_hub_is_held_by(serve->hub, &b->view)) {
+        return 2;
+    }
+    return b->has_said_one && now_ns - b->line_ns < USED_S * INT64_C(1000000000) ? 1 : 0;
+}
+
+/* In a full room the browser of the lowest rank that has said nothing for longest gives way, and is
+ * a guest until it has gone. Nobody can tell a page that is only watched from a program that only
+ * answers pings, so both may have to; a page that is used stays, however many come at once.
+ * Rejected: to refuse the next, which 32 such programs would do to everybody for ever. */
 static void make_place(ss_serve *serve)
 {
     if (serve->browsers < BROWSERS) {
         return;
     }
-    struct lws *idle = serve->browser[0];
-    for (int32_t i = 1; i < BROWSERS; ++i) {
-        const browser *b = lws_wsi_user(serve->browser[i]), *most = lws_wsi_user(idle);
-        idle = b->line_ns < most->line_ns ? serve->browser[i] : idle;
+    const int64_t now_ns = softsim_client_now_ns();
+    struct lws *idle = NULL;
+    int64_t idle_since_ns = 0;
+    int lowest = 0;
+    for (int32_t i = 0; i < BROWSERS; ++i) {
+        const browser *b = lws_wsi_user(serve->browser[i]);
+        const int own = rank(serve, b, now_ns);
+        if (idle == NULL || own < lowest || (own == lowest && b->line_ns < idle_since_ns)) {
+            idle = serve->browser[i];
+            idle_since_ns = b->line_ns;
+            lowest = own;
+        }
     }
     close_browser(serve, idle, lws_wsi_user(idle));
     ss_guests_add(&serve->guests, idle);

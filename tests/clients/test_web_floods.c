@@ -337,6 +337,28 @@ TEST_WITH(a_full_room_has_a_place_for_the_next, NULL, end_web)
     stop_web(0);
 }
 
+/* More at once than there is room for, none of whom says a word: who uses the page stays. */
+TEST_WITH(a_burst_displaces_nobody_who_is_there, NULL, end_web)
+{
+    enum { BURST = 40 };
+    int crowd[BURST];
+    start_web("127.0.0.1", NULL, NULL);
+    const int user = open_browser();
+    send_line(user, "command status");
+    expect_text(user, "\"type\": \"reply\", \"code\": 0");
+    for (int i = 0; i < BURST; ++i) {
+        crowd[i] = open_browser();
+        expect_text(crowd[i], "\"type\": \"status\"");
+    }
+    send_line(user, "command status");
+    expect_text(user, "\"type\": \"reply\", \"code\": 0");
+    for (int i = 0; i < BURST; ++i) {
+        close(crowd[i]);
+    }
+    close(user);
+    stop_web(0);
+}
+
 /* A hundred who want a WebSocket: of those who may, the last as many as there is room for. */
 TEST_WITH(a_crowd_gets_what_room_there_is, NULL, end_web)
 {
