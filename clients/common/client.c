@@ -392,7 +392,9 @@ bool softsim_client_hears_two(const softsim_client *client)
 
 int32_t softsim_client_server_changes(const softsim_client *client)
 {
-    return client->force_origin.changes;
+    const int32_t of_forces = client->force_origin.changes;
+    const int32_t of_statuses = client->status_origin.changes;
+    return of_forces > of_statuses ? of_forces : of_statuses;
 }
 
 softsim_client_counts softsim_client_read_counts(const softsim_client *client)

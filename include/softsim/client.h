@@ -94,8 +94,9 @@ int32_t softsim_client_wait(softsim_client *client, int64_t deadline_ns);
 /* Do two servers answer on the prefix, or did they a moment ago? Only the first one's messages are
  * handed on, and no force should be exerted: the hand would feel now one body, now the other. */
 bool softsim_client_hears_two(const softsim_client *client);
-/* How often the forces of another server were handed on in the place of the one before, which was
- * silent: it was started again, say. Their body has felt nothing of what was sent before. */
+/* How often the forces or statuses of another server were handed on in the place of the one before,
+ * which was silent: it was started again, say. Their body has felt nothing of what was sent before.
+ */
 int32_t softsim_client_server_changes(const softsim_client *client);
 /* Since the client was opened. */
 softsim_client_counts softsim_client_read_counts(const softsim_client *client);

@@ -362,6 +362,21 @@ TEST_WITH(watching_and_replaying_clients_say_that_there_are_two, make_folder, te
     assert_int_equal(stop_daemon(), 0);
 }
 
+TEST_WITH(a_monitor_says_that_another_server_answers, make_folder, tear_down)
+{
+    const char *const watching[] = {"softsim-monitor", "--json", NULL};
+    start_daemon(tube(), NULL);
+    process_start(&client, watching, NULL);
+    assert_true(process_wait_for(&client, "uptime_s"));
+    start_other(tube(), "--takeover");
+    assert_true(process_wait_for(&client, "another server answers, and is shown from now on"));
+    process_signal(&client, SIGINT);
+    assert_int_equal(process_finish(&client), 1);
+    process_signal(&other, SIGTERM);
+    assert_int_equal(process_finish(&other), 0);
+    assert_int_equal(process_finish(&daemon_process), 0);
+}
+
 int main(void)
 {
     return process_run_tests(NULL, NULL);
