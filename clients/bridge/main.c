@@ -259,6 +259,12 @@ static void report(const ss_bridge_summary *s, bool is_linear)
     printf("energy in   %.6g J\n", s->energy_in_j);
 }
 
+/* Were all forces one server's? */
+static bool is_of_one(const ss_bridge_summary *summary)
+{
+    return !summary->has_withheld && !summary->has_changed;
+}
+
 /* Runs the bridge in real time. An exit status. */
 static int run_connected(const char *program, const options *o, ss_bridge *bridge)
 {
@@ -296,8 +302,8 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
         tell_miss(program, &config, (int32_t)o->probe, &bridge->summary);
     }
     const ss_bridge_summary *s = &bridge->summary;
-    const bool is_of_one = !s->has_withheld && !s->has_changed;
-    return is_good && s->forces > 0 && !s->has_stopped && is_of_one ? EXIT_SUCCESS : EXIT_FAILURE;
+    return is_good && s->forces > 0 && !s->has_stopped && is_of_one(s) ? EXIT_SUCCESS
+                                                                       : EXIT_FAILURE;
 }
 
 /* A recording has its own name only when it is complete, and of one server. */
@@ -308,7 +314,7 @@ static bool finish_csv(const char *program, const ss_bridge_summary *summary, ss
         fprintf(stderr, "%s: ended before its time, after %" PRId64 " ticks\n", program,
                 summary->ticks);
     }
-    if (!summary->is_complete || summary->has_changed) {
+    if (!summary->is_complete || !is_of_one(summary)) {
         ss_output_keep(csv, error);
     } else {
         ss_output_commit(csv, error);

@@ -174,7 +174,7 @@ TEST_WITH(a_bridge_lets_go_where_two_servers_answer, make_folder, tear_down)
                                 in_folder("two.csv"),
                                 NULL};
     assert_int_equal(process_run(&client, argv), 1);
-    read_forces("two.csv", &late, &jump);
+    read_forces("two.csv.part", &late, &jump);
     print_message("force %.3g N, largest step %.3g N\n", late, jump);
     expect_text(client.err, "two servers answer on this prefix: the force is let go");
     assert_true(late == 0.0);
