@@ -355,16 +355,16 @@ static void watch_servers(ss_bridge *bridge, const softsim_client *client)
  * a body that is elsewhere. */
 static void note_change(ss_bridge *bridge, const softsim_client *client, int64_t now_ns)
 {
-    if (bridge->changed_ns == 0 && softsim_client_server_changes(client) > 0) {
-        bridge->changed_ns = now_ns;
-        bridge->summary.has_changed = true;
+    ss_bridge_summary *summary = &bridge->summary;
+    if (summary->changed_ns == 0 && softsim_client_server_changes(client) > 0) {
+        summary->changed_ns = now_ns;
     }
-    if (bridge->changed_ns != 0 && !bridge->is_change_told) {
+    if (summary->changed_ns != 0 && !bridge->is_change_told) {
         bridge->is_change_told =
             tell(bridge,
                  "another server answers since %.1f s: its body has felt nothing before, and may "
                  "be another; start the bridge again, which finds its tissue",
-                 1e-9 * (double)(bridge->changed_ns - bridge->start_ns));
+                 1e-9 * (double)(summary->changed_ns - bridge->start_ns));
     }
 }
 

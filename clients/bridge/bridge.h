@@ -51,13 +51,13 @@ typedef struct ss_bridge_summary {
     double peak_force_n, energy_in_j;
     double peak_indentation_m; /* of the newest force as the peak was exerted; 0 without a server */
     double latency_sum_us, max_latency_us; /* of the first force that answers a pose */
-    int64_t others;    /* answers that another sender holds the probe; no forces */
-    double other_s;    /* from the first of them to the first force after */
-    bool was_inside;   /* the first forces were faded in: the hand began inside the tissue */
-    bool has_stopped;  /* forces came, and were away at the end */
-    bool has_withheld; /* two servers were heard */
-    bool has_changed;  /* one server's forces came after another's */
-    bool is_complete;  /* ran to its own end, or has none and was stopped */
+    int64_t others;     /* answers that another sender holds the probe; no forces */
+    double other_s;     /* from the first of them to the first force after */
+    bool was_inside;    /* the first forces were faded in: the hand began inside the tissue */
+    bool has_stopped;   /* forces came, and were away at the end */
+    bool has_withheld;  /* two servers were heard */
+    int64_t changed_ns; /* another server answers in the first one's place since; 0: none does */
+    bool is_complete;   /* ran to its own end, or has none and was stopped */
     /* Places that the tool was at: every `way_every`-th period's, thinned out when there is no more
      * room. For one that has missed the tissue. */
     double way[SS_BRIDGE_WAY][3];
@@ -88,7 +88,6 @@ typedef struct ss_bridge {
     double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
-    int64_t changed_ns;              /* another server answers since; 0: none does */
     bool is_change_told;
     double withheld;               /* share of the force that is kept back: two servers answer */
     ss_bus *poses_out, *forces_in; /* NULL without a server */

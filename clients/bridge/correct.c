@@ -16,7 +16,7 @@ static const double take_up_s = 0.05, longest_s = 0.01, give_back_s = 0.02;
 static const double slip_credit_m = 5e-3;
 static const double touch_n = 0.02;
 static const double free_debt_j = 0.1e-3, forget_s = 0.4, foreseen_s = 0.005;
-static const double most_damping_n_s_per_m = 60.0, lightest_kg = 0.1, give_back_m = 0.03e-3;
+static const double most_damping_n_s_per_m = 60.0, damping_by_lag_kg = 0.1, give_back_m = 0.03e-3;
 static const double least_cutoff_hz = 20.0, most_cutoff_hz = 100.0, cutoff_hz_per_m_per_s = 2000.0;
 
 void ss_corrector_init(ss_corrector *corrector, bool is_enabled, ss_corrector_limits limits)
@@ -152,7 +152,7 @@ static void damp(ss_corrector *corrector, int64_t now_ns, double elapsed_s, doub
         const double allowed = fmax(0.0, corrector->energy_j + free_debt_j);
         const double share = given > allowed ? 1.0 - allowed / given : 0.0;
         const double damping =
-            fmin(most_damping_n_s_per_m, lightest_kg * 2.0 * SS_PI * corrector->cutoff_hz);
+            fmin(most_damping_n_s_per_m, damping_by_lag_kg * 2.0 * SS_PI * corrector->cutoff_hz);
         taken = fmin(share, damping * speed / size);
     }
     const double rate = 1.0 / give_back_s + fmax(0.0, -speed) / give_back_m;

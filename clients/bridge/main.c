@@ -262,7 +262,7 @@ static void report(const ss_bridge_summary *s, bool is_linear)
 /* Were all forces one server's? */
 static bool is_of_one(const ss_bridge_summary *summary)
 {
-    return !summary->has_withheld && !summary->has_changed;
+    return !summary->has_withheld && summary->changed_ns == 0;
 }
 
 /* Runs the bridge in real time. An exit status. */

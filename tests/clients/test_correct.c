@@ -3,9 +3,7 @@
 /* The force in effect at the device: corrected for the time it took, within limits, and damped
  * where its contact has given all. */
 #include "common/test.h"
-#include <float.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
