@@ -397,6 +397,31 @@ TEST(a_constant_that_makes_up_for_a_stiff_mesh_is_told)
     assert_null(strstr(told, "it fits this mesh"));
 }
 
+/* A soft contact gives way beside the tissue, and the constant makes up for it. */
+TEST(a_constant_that_makes_up_for_a_soft_contact_is_told)
+{
+    const char *wanted[] = {"model.link_stiffness_n_per_m"};
+    const char *hard[] = {CHAIN, tool, "contact.stiffness_n_per_m3=1e9"};
+    const char *soft[] = {CHAIN, tool, "contact.stiffness_n_per_m3=1e7"};
+    char text[4096] = "";
+    ss_fit fit;
+    if (!ss_model_find("cnn-chainmail")) {
+        skip();
+    }
+    make_curve("hard.csv", false, 0.01, 6, 0.01, hard, 3, NULL);
+    fit_curve(&fit, "hard.csv", 0.01, hard, 3, wanted, 1);
+    ss_fit_tell(&fit, gather, text);
+    assert_near(fit.value[0], 100.0, 0.01);
+    assert_null(strstr(text, "the contact is soft"));
+    ss_fit_fini(&fit);
+    text[0] = '\0';
+    fit_curve(&fit, "hard.csv", 0.01, soft, 3, wanted, 1);
+    ss_fit_tell(&fit, gather, text);
+    assert_true(fit.value[0] > 110.0);
+    assert_non_null(strstr(text, "the contact is soft for this tissue"));
+    ss_fit_fini(&fit);
+}
+
 TEST(the_press_is_where_and_as_it_is_said_to_be)
 {
     const char *set[] = {tool};

@@ -34,6 +34,7 @@ typedef struct ss_fit {
 
     double value[SS_FIT_MAX_PARAMETERS]; /* the answer */
     double *force[SS_FIT_MAX_CURVES];    /* N, the model's at the curve's points, with the answer */
+    double sunk[SS_FIT_MAX_CURVES];      /* m, the tool in the tissue, likewise */
     ss_press_run run;                    /* the worst of the last runs */
     ss_solve solve;
 } ss_fit;

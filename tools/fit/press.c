@@ -400,7 +400,7 @@ void ss_press_fini(ss_press *press)
 /* ---- a run ---- */
 
 /* The force along the normal, after a step. */
-static double read_force(const ss_world *world, const ss_press *press)
+static double read_force(const ss_world *world, const ss_press *press, ss_press_run *out_run)
 {
     double force[3];
     if (press->probe < 0) {
@@ -410,6 +410,7 @@ static double read_force(const ss_world *world, const ss_press *press)
     }
     ss_contact_set set;
     world->model_class->contacts(world->model, press->probe, 0.0, &set);
+    out_run->sunk = fmax(out_run->sunk, set.count > 0 ? set.depth : 0.0);
     return ss_dot3(set.force, press->normal);
 }
 
@@ -453,7 +454,7 @@ static softsim_status run(ss_world *world, const ss_press *press, const ss_curve
             out_run->verdict = info.verdict;
             out_run->reason = info.reason;
         }
-        const double force = read_force(world, press);
+        const double force = read_force(world, press, out_run);
         if (info.verdict == SOFTSIM_VERDICT_FAULT || !isfinite(force)) {
             softsim_error_add(error, SOFTSIM_ERROR_SCENE,
                               "%s: the model fails %.4g m into the press: %s", world->scene->path,

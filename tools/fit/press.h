@@ -56,6 +56,7 @@ void ss_press_fini(ss_press *press);
 typedef struct ss_press_run {
     softsim_verdict verdict; /* the worst */
     const char *reason;      /* static text */
+    double sunk;             /* m: the deepest that the contact's own softness let the tool in */
 } ss_press_run;
 
 /* The force at every point of the curve. Fails where the scene or the model fails, with the reason
