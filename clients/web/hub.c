@@ -81,7 +81,8 @@ struct ss_hub {
     bool lacks_mesh; /* hub thread: there is a server, and no whole surface of it */
     int32_t mesh_asks;
     int64_t mesh_asked_ns;
-    pthread_mutex_t lock; /* of all below */
+    int32_t server_changes; /* hub thread */
+    pthread_mutex_t lock;   /* of all below */
     bool is_changed;
     int64_t start_ns, woken_ns;
 
@@ -385,6 +386,16 @@ static void ask_for_mesh(ss_hub *hub, int64_t now_ns)
     }
 }
 
+/* A recording of two servers is not one body's. */
+static void look_for_servers(ss_hub *hub)
+{
+    const int32_t changes = softsim_client_server_changes(hub->client);
+    if (changes != hub->server_changes || softsim_client_hears_two(hub->client)) {
+        hub->server_changes = changes;
+        ss_recorder_mark_servers(hub->recorder);
+    }
+}
+
 static void *run(void *argument)
 {
     ss_hub *hub = argument;
@@ -405,6 +416,7 @@ static void *run(void *argument)
             hub->config.wake(hub->config.context);
             break;
         }
+        look_for_servers(hub);
     }
     return NULL;
 }

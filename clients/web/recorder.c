@@ -47,7 +47,8 @@ struct ss_recorder {
     uint8_t *ring;
     _Atomic uint64_t head, tail;
     atomic_bool is_taking;
-    _Atomic uint64_t lost; /* of this recording */
+    _Atomic uint64_t lost;       /* of this recording */
+    atomic_bool has_two_servers; /* likewise */
 
     /* recorder's thread */
     softsim_log_writer *log;
@@ -103,6 +104,11 @@ void ss_recorder_take(ss_recorder *recorder, int64_t utime_us, const char *chann
     put(recorder, at + sizeof head, channel, (size_t)head.channel_size);
     put(recorder, at + sizeof head + (uint64_t)head.channel_size, data, (size_t)size);
     atomic_store_explicit(&recorder->head, at + need, memory_order_release);
+}
+
+void ss_recorder_mark_servers(ss_recorder *recorder)
+{
+    atomic_store(&recorder->has_two_servers, true);
 }
 
 /* ---- report ---- */
@@ -171,12 +177,15 @@ static void end_recording(ss_recorder *recorder, const char *why)
     if (!is_good) {
         softsim_error_append(&recorder->unfinished, error.status, error.text);
     }
-    snprintf(fault, sizeof fault, "%.400s", is_good ? why : error.text);
+    int length = snprintf(fault, sizeof fault, "%.360s", is_good ? why : error.text);
     if (lost > 0) {
-        const size_t length = strlen(fault);
-        snprintf(fault + length, sizeof fault - length,
-                 "%s%" PRIu64 " messages are missing in it: the disk was too slow",
-                 length > 0 ? "; " : "", lost);
+        length += snprintf(fault + length, sizeof fault - (size_t)length,
+                           "%s%" PRIu64 " messages are missing in it: the disk was too slow",
+                           length > 0 ? "; " : "", lost);
+    }
+    if (atomic_load(&recorder->has_two_servers)) {
+        snprintf(fault + length, sizeof fault - (size_t)length,
+                 "%smore than one server answered in it", length > 0 ? "; " : "");
     }
     pthread_mutex_lock(&recorder->lock);
     recorder->recordings[recorder->count - 1].is_finished = is_good;
@@ -290,6 +299,7 @@ static void begin_recording(ss_recorder *recorder)
     /* What came after the end of the one before is of none. */
     atomic_store(&recorder->tail, atomic_load(&recorder->head));
     atomic_store(&recorder->lost, 0);
+    atomic_store(&recorder->has_two_servers, false);
     atomic_store(&recorder->is_taking, true);
     tell(recorder, true, "");
 }

@@ -45,6 +45,9 @@ void ss_recorder_want(ss_recorder *recorder, bool is_wanted);
  * Thread: one. */
 void ss_recorder_take(ss_recorder *recorder, int64_t utime_us, const char *channel,
                       const void *data, int32_t size);
+/* Another server answers than before, or beside it: a recording under way says so at its end.
+ * Thread: that of ss_recorder_take. */
+void ss_recorder_mark_servers(ss_recorder *recorder);
 /* From 1; grows whenever ss_recorder_tell has something new. Thread: any; never waits. */
 uint64_t ss_recorder_version(const ss_recorder *recorder);
 /* JSON: is a recording under way, what went wrong, the finished files, how many messages of the

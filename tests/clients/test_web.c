@@ -256,13 +256,15 @@ TEST_WITH(a_late_browser_gets_the_forces_of_before, NULL, end_web)
     stop_web(0);
 }
 
-/* The same body, and not one of the old dents. */
+/* The same body, and not one of the old dents; a recording of both says so. */
 TEST_WITH(a_server_that_starts_again_is_shown_afresh, NULL, end_web)
 {
     const int fd = start_browsed();
     expect_frame(fd, TOPOLOGY_FRAME);
     expect_text(fd, "\"type\": \"status\"");
     const double session = number_of("\"session\": ");
+    send_line(fd, "record 1");
+    expect_text(fd, "\"is_recording\": true");
     press_in_and_out(fd, 60);
     send_line(fd, "drop");
     process_signal(&server, SIGTERM);
@@ -273,6 +275,12 @@ TEST_WITH(a_server_that_starts_again_is_shown_afresh, NULL, end_web)
     assert_true(number_of("\"session\": ") != session);
     expect_text(fd, "\"is_silent\": false");
     expect_frame(fd, TOPOLOGY_FRAME);
+    send_line(fd, "record 0");
+    expect_text(fd, "\"is_recording\": false, \"fault\": \"more than one server answered in it\"");
+    send_line(fd, "record 1");
+    expect_text(fd, "\"is_recording\": true");
+    send_line(fd, "record 0");
+    expect_text(fd, "\"is_recording\": false, \"fault\": \"\"");
     stop_browsed(fd);
 }
 
