@@ -24,19 +24,21 @@
 #include "rt/vec.h"
 #include "softsim/log.h"
 #include "softsim_command_t.h"
+#include "softsim_contact_force_t.h"
 #include "softsim_reply_t.h"
 
 enum {
-    MAX_MESSAGE = 16384,     /* bytes, more than any status or reply has */
-    LANE_BUFFER = 2097152,   /* bytes, where the kernel allows: five seconds of forces at 1 kHz */
-    FORCE_WORK_PER_MS = 100, /* the receiver's units: 89 forces in batches */
-    FORCE_WORK_BURST = 4096,
+    MAX_MESSAGE = 16384,    /* bytes, more than any status or reply has */
+    LANE_BUFFER = 2097152,  /* bytes, where the kernel allows: five seconds of forces at 1 kHz */
+    VIEW_WORK_PER_MS = 100, /* the receiver's units: 89 forces or poses in batches */
+    VIEW_WORK_BURST = 4096,
     OTHER_WORK_PER_MS = 10, /* statuses; replies */
     OTHER_WORK_BURST = 256,
     /* Of one sender; a server sends 20 at most, however often it is asked. Beyond it is muted, so
      * that the server that was heard first is heard on. */
     STATUSES_PER_S = 200,
-    NAME_SIZE = 32, /* of a command, as the server takes it */
+    FORCES_PER_S = 10000, /* likewise: eight probes at 1 kHz, and a fourth more */
+    NAME_SIZE = 32,       /* of a command, as the server takes it */
     ARGUMENT_SIZE = 1024
 };
 
@@ -213,13 +215,25 @@ static void receive_pose(void *context, const ss_packet *packet)
 
 /* ---- opening ---- */
 
-/* Of forces and poses, and of the mesh: one of a hundred thousand nodes a few times a second. */
-static ss_lane wide_lane(int32_t max_size)
+/* Of poses and of the mesh: one of a hundred thousand nodes a few times a second. */
+static ss_lane view_lane(void)
 {
-    return (ss_lane){.max_size = max_size,
+    return (ss_lane){.max_size = SS_WIRE_MAX_MESSAGE,
                      .buffer = LANE_BUFFER,
-                     .per_ms = FORCE_WORK_PER_MS,
-                     .burst = FORCE_WORK_BURST};
+                     .per_ms = VIEW_WORK_PER_MS,
+                     .burst = VIEW_WORK_BURST};
+}
+
+/* All forces have one size: what others send beside the server's, large or many, does not come
+ * between it and the hand. */
+static ss_lane force_lane(const softsim_client *client)
+{
+    const softsim_contact_force_t any = {0};
+    ss_lane lane = view_lane();
+    lane.max_size = softsim_contact_force_t_encoded_size(&any);
+    lane.sender_per_s = FORCES_PER_S;
+    lane.followed = &client->force_origin.first.source;
+    return lane;
 }
 
 static ss_lane narrow_lane(int32_t sender_per_s, const uint64_t *followed)
@@ -241,9 +255,9 @@ static softsim_status join(softsim_client *client, const char *prefix, softsim_e
     const softsim_client_config *config = &client->config;
     ss_lane lanes[SS_RECEIVER_MAX_LANES]; /* of what is wanted */
     int32_t count = 0;
-    const ss_lane force = wide_lane(MAX_MESSAGE), reply = narrow_lane(0, NULL),
+    const ss_lane force = force_lane(client), reply = narrow_lane(0, NULL),
                   status = narrow_lane(STATUSES_PER_S, &client->status_origin.first.source),
-                  view = wide_lane(SS_WIRE_MAX_MESSAGE + SOFTSIM_LOG_CHANNEL_SIZE);
+                  view = view_lane();
     const struct {
         bool is_wanted;
         const ss_lane *lane;

@@ -10,6 +10,8 @@
  *           receiving kernel gives the packet type.
  *   whole   LCM's magic of an unfragmented message, "LC02" (fragments begin with "LC03")
  *   channel exactly one of the names, with its NUL
+ *   size    no longer than any good message: large ones would fill the socket's buffer with few,
+ *           and what waits behind them would come late
  *   part    the message has it, or has it not: a message too short for it has it not
  *   heard   the sender is not muted: the longest question, so that it comes last
  * Layout, from the UDP header on: 8 bytes UDP; 4 magic; 4 sequence number; channel; NUL; message.
@@ -30,11 +32,12 @@ enum {
     IP_SOURCE_AT = 12,
     PORT_AT = 0,
     OPEN = 255,
-    /* A name of 63 bytes takes 39, a part 20 at most; a muted sender 5 where it is the only one of
+    /* A name of 63 bytes takes 41, a part 20 at most; a muted sender 5 where it is the only one of
      * its address. */
     MAX_CODE = 24 + SS_FILTER_MAX_NAMES * 64 + SS_FILTER_MAX_MUTED * 5
 };
 static const uint32_t WHOLE_MESSAGE = 0x4c433032; /* "LC02" */
+static const uint32_t WHOLE = UINT32_MAX;         /* of a datagram that passes */
 
 /* A program as it is written. */
 typedef struct program {
@@ -45,6 +48,12 @@ typedef struct program {
 static void load(program *p, uint16_t size, uint32_t at)
 {
     p->code[p->count++] = (struct sock_filter)BPF_STMT((uint16_t)(BPF_LD | BPF_ABS | size), at);
+}
+
+/* Of the datagram, from the UDP header on. */
+static void load_size(program *p)
+{
+    p->code[p->count++] = (struct sock_filter)BPF_STMT(BPF_LD | BPF_W | BPF_LEN, 0);
 }
 
 /* Jumps by `met` or `unmet` instructions; OPEN ones go where `land` will say. */
@@ -129,7 +138,7 @@ static void judge_part(program *p, const ss_filter_part *part, uint32_t message_
         return;
     }
     const uint16_t first = p->count;
-    p->code[p->count++] = (struct sock_filter)BPF_STMT(BPF_LD | BPF_W | BPF_LEN, 0);
+    load_size(p);
     compare(p, BPF_JGE, message_at + part->at + part->size, 0, OPEN);
     demand_bytes(p, message_at + part->at, part->bytes, part->size);
     finish(p, 0);
@@ -167,7 +176,7 @@ static void judge_sender(program *p, const ss_filter *filter)
         }
         refuse_senders_of(p, muted, count);
     }
-    finish(p, filter->bytes_kept);
+    finish(p, WHOLE);
 }
 
 bool ss_filter_attach(const ss_filter *filter, int fd)
@@ -184,6 +193,8 @@ bool ss_filter_attach(const ss_filter *filter, int fd)
         const uint16_t first = p.count;
         const uint32_t message_at = CHANNEL_AT + (uint32_t)strlen(filter->names[i]) + 1;
         demand_name(&p, filter->names[i]);
+        load_size(&p);
+        compare(&p, BPF_JGT, message_at + filter->longest, OPEN, 0);
         judge_part(&p, &filter->part, message_at);
         land(&p, first);
     }

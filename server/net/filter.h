@@ -28,7 +28,8 @@ typedef struct ss_filter {
     const char *const *names;
     int32_t name_count;
     ss_filter_part part;
-    uint32_t bytes_kept; /* of a datagram, UDP header included; the kernel lets go of the rest */
+    uint32_t
+        longest; /* bytes of a message, behind the NUL of its channel; longer ones are dropped */
 } ss_filter;
 
 /* Attaches the filter to a UDP socket, in place of the one that it has. Where it is not bound yet,

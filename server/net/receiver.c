@@ -58,9 +58,8 @@
 #include "rt/thread.h"
 
 enum {
-    BATCH = 32,         /* messages a system call */
-    MAX_HANDLED = 4096, /* a call of ss_receiver_wait, so that it returns */
-    UDP_HEADER = 8,
+    BATCH = 32,            /* messages a system call */
+    MAX_HANDLED = 4096,    /* a call of ss_receiver_wait, so that it returns */
     HEADER_SIZE = 8,       /* magic, sequence number */
     MAX_CHANNEL = 64,      /* its NUL included */
     STOCK_BUFFER = 212992, /* bytes, the kernel's default limit; some hundred small messages */
@@ -484,7 +483,7 @@ static softsim_status test_group(const ss_receiver *receiver, const ss_wire_url 
                               .names = &name,
                               .name_count = 1,
                               .part = {.bytes = &number, .size = sizeof number},
-                              .bytes_kept = UINT32_MAX};
+                              .longest = sizeof number};
     const int fd = open_socket(url, &filter, STOCK_BUFFER);
     if (fd < 0) {
         return fail_socket(error);
@@ -510,7 +509,7 @@ static softsim_status open_lane(ss_receiver *receiver, lane_state *lane, const s
     *filter = (ss_filter){.is_local = url->ttl == 0,
                           .names = lane->names,
                           .part = lane->lane.part,
-                          .bytes_kept = (uint32_t)(UDP_HEADER + receiver->slot_size)};
+                          .longest = (uint32_t)lane->lane.max_size};
     for (int32_t i = 0; i < SS_FILTER_MAX_NAMES && lane->lane.suffix[i]; ++i) {
         lane->names[i] = lane->name[i];
         snprintf(lane->name[i], sizeof lane->name[i], "%s%s", receiver->prefix,

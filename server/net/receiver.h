@@ -29,7 +29,7 @@ typedef struct ss_lane {
     const char
         *suffix[SS_FILTER_MAX_NAMES]; /* channels behind the prefix: "_PROBE_#"; up to NULL */
     ss_filter_part part;              /* what its messages have, where two lanes share a channel */
-    int32_t max_size;      /* bytes, more than any good message has; a longer one is cut off here */
+    int32_t max_size;      /* bytes, as many as any good message has; a longer one is dropped */
     int32_t buffer;        /* bytes in the kernel, where the url does not say */
     int32_t per_ms, burst; /* units of work a millisecond, and at once after a pause: a message
                               costs one and its share of a wake-up, see receiver.c */
