@@ -7,9 +7,15 @@
  */
 #include "common/test.h"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include "common/pose_fixture.h"
 #include "daemon_fixture.h"
 #include "softsim/client.h"
+#include "softsim_contact_force_t.h"
 
 static process flooder;
 
@@ -380,6 +386,77 @@ TEST_WITH(a_monitor_stays_with_the_server_it_heard_first, make_folder, end_all)
     process_signal(&client, SIGINT);
     assert_int_equal(process_finish(&client), 1); /* two were heard */
     assert_int_equal(stop_daemon(), 0);
+}
+
+/* ---- forces ---- */
+
+static int forces;
+
+static void count_force(void *context, const softsim_force *force, int64_t now_ns)
+{
+    (void)context;
+    (void)force;
+    (void)now_ns;
+    ++forces;
+}
+
+static void send_datagram(int fd, const void *data, int32_t size)
+{
+    const struct sockaddr_in group = {.sin_family = AF_INET,
+                                      .sin_port = htons(7667),
+                                      .sin_addr.s_addr = inet_addr("239.255.76.67")};
+    assert_int_equal(
+        sendto(fd, data, (size_t)size, 0, (const struct sockaddr *)&group, sizeof group), size);
+}
+
+/* Another force of the server, and everything before it. */
+static void expect_force(softsim_client *heard, int fd, const void *data, int32_t size)
+{
+    const int before = forces;
+    send_datagram(fd, data, size);
+    while (forces == before) {
+        assert_true(softsim_client_wait(heard, softsim_client_now_ns() + 60000000000) > 0);
+    }
+}
+
+/* Large datagrams, of which few fill the socket's buffer, or many small ones held up each force of
+ * the server by 30 to 50 ms: they are not let in. */
+TEST_WITH(what_others_send_among_the_forces_is_not_let_in, NULL, NULL)
+{
+    enum { HEAD = sizeof "LC02....T_FORCE_0", LARGE = 60000, ROUNDS = 600, AT_ONCE = 100 };
+    static uint8_t good[1024], bad[LARGE];
+    const softsim_client_config config = {
+        .prefix = "T", .handle_force = count_force, .hears_all = true};
+    const softsim_contact_force_t force = {.sender = 1};
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_client *heard = NULL;
+    assert_int_equal(softsim_client_open(&config, &heard, &error), SOFTSIM_OK);
+    memcpy(good, "LC02\0\0\0\0T_FORCE_0", HEAD);
+    memcpy(bad, good, HEAD);
+    const int32_t size =
+        HEAD + softsim_contact_force_t_encode(good + HEAD, 0, sizeof good - HEAD, &force);
+    const int server = socket(AF_INET, SOCK_DGRAM, 0), flood = socket(AF_INET, SOCK_DGRAM, 0);
+    const int ttl = 0;
+    setsockopt(server, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
+    setsockopt(flood, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
+    forces = 0;
+    expect_force(heard, server, good, size);
+    for (int i = 0; i < AT_ONCE; ++i) {
+        send_datagram(flood, bad, i % 2 == 0 ? LARGE : size + 1);
+    }
+    expect_force(heard, server, good, size);
+    assert_int_equal(softsim_client_read_counts(heard).malformed, 0);
+    for (int k = 0; k < ROUNDS; ++k) {
+        for (int i = 0; i < AT_ONCE; ++i) {
+            send_datagram(flood, bad, size);
+        }
+        expect_force(heard, server, good, size);
+    }
+    const int64_t others = softsim_client_read_counts(heard).malformed;
+    assert_true(others > 0 && others < ROUNDS * AT_ONCE / 3);
+    softsim_client_close(&heard);
+    close(server);
+    close(flood);
 }
 
 int main(void)
