@@ -18,6 +18,12 @@ static const double far_behind = 0.003;                   /* m */
 static const double long_behind = 0.02;                   /* s */
 static const double shaking_time = 0.5;                   /* s */
 static const double most_shaking = 25.0;                  /* times the force limit */
+static const double untold_lag = 0.004;                   /* s, the step of the lags */
+static const double untold_pass = 6.0, untold_time = 1.0; /* Hz, s */
+static const double untold_short = 0.5;                   /* s */
+static const double most_untold = 0.03;                   /* J, U */
+static const double most_untold_shaken = 0.008;           /* J, V */
+static const double most_period = 0.01;                   /* s: the filter's */
 
 /* ---- tissue ---- */
 
@@ -76,20 +82,20 @@ static bool is_spell_on(const ss_hand_watch *watch, const ss_hand_tick *now)
            ((double)released - 0.5) * now->period < contact_gap_time;
 }
 
-/* The hand moves against the forces that it was given, which gives it `out_given`. */
-static void move_hand(ss_hand_watch *watch, const ss_hand_tick *now,
-                      double out_given[SS_HAND_WATCH_DELAYS])
+/* Since the last pose. */
+static void move_hand(ss_hand_watch *watch, const softsim_pose *pose, double out_way[3],
+                      double out_turn[3])
 {
-    double way[3] = {0.0}, turn[3] = {0.0};
+    ss_set3(out_way, 0.0, 0.0, 0.0);
+    ss_set3(out_turn, 0.0, 0.0, 0.0);
     if (watch->has_pose) {
-        ss_sub3(way, now->pose->position, watch->position);
-        ss_turn_between(watch->orientation, now->pose->orientation, turn);
+        ss_sub3(out_way, pose->position, watch->position);
+        ss_turn_between(watch->orientation, pose->orientation, out_turn);
+    } else {
+        ss_copy3(watch->untold.place_pass.low, pose->position);
     }
-    for (int d = 0; d < SS_HAND_WATCH_DELAYS; ++d) {
-        out_given[d] = ss_dot3(watch->force[d], way) + ss_dot3(watch->torque[d], turn);
-    }
-    ss_copy3(watch->position, now->pose->position);
-    memcpy(watch->orientation, now->pose->orientation, sizeof watch->orientation);
+    ss_copy3(watch->position, pose->position);
+    memcpy(watch->orientation, pose->orientation, sizeof watch->orientation);
     watch->has_pose = true;
 }
 
@@ -98,8 +104,8 @@ static double add_up(ss_hand_watch *watch, const double given[SS_HAND_WATCH_DELA
 {
     double most = 0.0;
     for (int d = 0; d < SS_HAND_WATCH_DELAYS; ++d) {
-        const bool is_touched = ss_norm3(watch->force[d]) + ss_norm3(watch->torque[d]) > 0.0;
-        watch->energy[d] = is_touched ? watch->energy[d] + given[d] : 0.0;
+        const bool is_felt = ss_norm3(watch->force[d]) + ss_norm3(watch->torque[d]) > 0.0;
+        watch->energy[d] = is_felt ? watch->energy[d] + given[d] : 0.0;
         watch->spell[d] = is_spell ? watch->spell[d] + given[d] : 0.0;
         most = fmax(most, fmax(watch->energy[d], watch->spell[d]));
     }
@@ -203,6 +209,108 @@ static ss_hand_verdict judge_shaking(ss_hand_watch *watch, const ss_hand_tick *n
     return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
 }
 
+/* J: what a device that tells its force, and does not name it, was given beyond what the observer
+ * counts, where poses were lost: what they would have told lies between the last and this one. */
+static double add_lost(ss_hand_watch *watch, const ss_hand_tick *now, const double way[3],
+                       bool is_counted)
+{
+    const softsim_pose *pose = now->pose;
+    watch->lost_j = is_counted ? watch->lost_j : 0.0;
+    if (pose == NULL) {
+        return watch->lost_j;
+    }
+    const bool is_alone = pose->force_seq < 0 && ss_is_finite(pose->applied_force, 3);
+    const double gap = (double)pose->seq - (double)watch->seq - (double)now->superseded;
+    if (is_alone && watch->is_alone && gap > 1.0) {
+        double change[3];
+        ss_sub3(change, watch->applied, pose->applied_force);
+        watch->lost_j += 0.5 * (gap - 1.0) / gap * ss_dot3(change, way);
+    }
+    watch->is_alone = is_alone;
+    watch->seq = pose->seq;
+    ss_copy3(watch->applied, pose->applied_force);
+    return watch->lost_j;
+}
+
+static bool is_touched(const softsim_force *sent)
+{
+    return ss_norm3(sent->force) + ss_norm3(sent->torque) > 0.0;
+}
+
+/* Second order, as a state-variable filter. */
+static void pass_high(ss_high_pass *pass, const double in[3], double period, double out[3])
+{
+    const double g = tan(SS_PI * untold_pass * fmin(period, most_period));
+    for (int a = 0; a < 3; ++a) {
+        out[a] =
+            (in[a] - (sqrt(2.0) + g) * pass->band[a] - pass->low[a]) / (1.0 + g * (sqrt(2.0) + g));
+        const double band = pass->band[a] + g * out[a];
+        pass->band[a] = band + g * out[a];
+        pass->low[a] += 2.0 * g * band;
+    }
+}
+
+/* The force of this tick, for later ones, and where the hand is. */
+static void note_untold(ss_untold *untold, const ss_hand_tick *now, const double place[3])
+{
+    const int64_t here = now->tick & (SS_UNTOLD_TICKS - 1);
+    double fast[3];
+    ss_copy3(untold->force[here], now->sent->force);
+    ss_copy3(untold->torque[here], now->sent->torque);
+    pass_high(&untold->force_pass, now->sent->force, now->period, untold->fast[here]);
+    pass_high(&untold->place_pass, place, now->period, fast);
+    ss_sub3(untold->fast_way, fast, untold->fast_place);
+    ss_copy3(untold->fast_place, fast);
+}
+
+static void start_untold(ss_untold *untold, const ss_hand_tick *now)
+{
+    memset(untold->energy, 0, sizeof untold->energy);
+    memset(untold->shaken, 0, sizeof untold->shaken);
+    untold->let_in = 0.0;
+    untold->since = now->tick;
+    untold->is_on = true;
+}
+
+/* A device that may answer late, and tells nothing that would show how late. */
+static ss_hand_verdict judge_untold(ss_untold *untold, const ss_hand_tick *now, const double way[3],
+                                    const double turn[3])
+{
+    const double most_step = (SS_UNTOLD_TICKS - 1) / SS_UNTOLD_LAGS;
+    const int64_t step = (int64_t)fmax(1.0, fmin(untold_lag / now->period + 0.5, most_step));
+    const int64_t quiet = step * SS_UNTOLD_LAGS + (int64_t)(contact_gap_time / now->period);
+    double energy = 0.0, shaken = 0.0;
+    if (is_touched(now->sent)) {
+        if (!untold->is_on) {
+            start_untold(untold, now);
+        }
+        untold->touched = now->tick;
+    }
+    untold->is_on = untold->is_on && now->tick - untold->touched <= quiet;
+    if (!untold->is_on) {
+        return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
+    }
+    const double stays = exp(-now->period / untold_time);
+    for (int d = 0; d < SS_UNTOLD_LAGS; ++d) {
+        const int64_t at = (now->tick - (d + 1) * step) & (SS_UNTOLD_TICKS - 1);
+        untold->energy[d] += ss_dot3(untold->force[at], way) + ss_dot3(untold->torque[at], turn);
+        untold->shaken[d] = stays * untold->shaken[d] + ss_dot3(untold->fast[at], untold->fast_way);
+        energy = fmax(energy, untold->energy[d]);
+        shaken = fmax(shaken, untold->shaken[d]);
+    }
+    untold->let_in += now->let_in_j;
+    const bool is_short = (double)(now->tick - untold->since) * now->period < untold_short;
+    const double unexplained = energy - fmax(0.0, untold->let_in);
+    if (is_short ? unexplained > most_untold : shaken > most_untold_shaken) {
+        return (ss_hand_verdict){
+            SOFTSIM_VERDICT_GUARDED,
+            "the device does not tell which force it exerts, and moves so that its hand is driven "
+            "if forces reach it late: have it name them (force_seq, applied_force) or correct them "
+            "for the delay; or move slower"};
+    }
+    return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
+}
+
 void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
 {
     double handed_out = 0.0, given[SS_SUPPLY_DEVICES] = {0.0};
@@ -219,26 +327,42 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
     const bool is_spell = is_spell_on(watch, now);
     const bool is_counted = is_spell || now->contact_j != 0.0;
     watch->let_in = (is_counted ? watch->let_in : 0.0) + now->let_in_j;
+    double way[3] = {0.0}, turn[3] = {0.0};
+    if (now->pose) {
+        move_hand(watch, now->pose, way, turn);
+    }
     if (now->pose && now->is_lockstep) {
-        move_hand(watch, now, given);
+        for (int d = 0; d < SS_HAND_WATCH_DELAYS; ++d) {
+            given[d] = ss_dot3(watch->force[d], way) + ss_dot3(watch->torque[d], turn);
+        }
         handed_out = add_up(watch, given, is_spell);
         take_answer(watch, now);
-    } else if (now->pose) {
-        ss_copy3(watch->position, now->pose->position);
     }
-    if (ss_norm3(now->sent->force) + ss_norm3(now->sent->torque) > 0.0) {
+    if (is_touched(now->sent)) {
         watch->touched = now->tick;
     }
     /* Without a name the observer guesses which force was in effect. */
     const bool is_named =
         now->pose && (now->pose->force_seq >= 0 || ss_is_finite(now->pose->applied_force, 3));
-    handed_out = is_named ? fmax(handed_out, -now->contact_j) : handed_out;
+    const double lost = add_lost(watch, now, way, is_counted);
+    handed_out = is_named ? fmax(handed_out, fmax(0.0, lost) - now->contact_j) : handed_out;
     given[SS_HAND_WATCH_NAMED] = is_named ? now->device_j - watch->device_j : 0.0;
     watch->device_j = now->device_j;
     const double made = judge_parts(watch, now, given, is_counted);
-    const ss_hand_verdict found = ss_hand_verdict_worse(
+    ss_hand_verdict found = ss_hand_verdict_worse(
         ss_hand_verdict_worse(judge_hand(handed_out, watch->let_in, made), judge_trail(watch, now)),
         judge_shaking(watch, now));
+    const bool is_told =
+        now->pose ? is_named || (now->pose->flags & SOFTSIM_POSE_CORRECTS) != 0 : watch->is_told;
+    watch->is_told = is_told;
+    if (watch->has_pose) {
+        note_untold(&watch->untold, now, watch->position);
+    }
+    if (is_told || now->is_lockstep) {
+        watch->untold.is_on = false;
+    } else {
+        found = ss_hand_verdict_worse(found, judge_untold(&watch->untold, now, way, turn));
+    }
     if (found.verdict != SOFTSIM_VERDICT_GOOD) {
         watch->last_verdict = ss_hand_verdict_worse(found, ss_hand_watch_verdict(watch, now->tick));
         watch->until = now->tick + (int64_t)ceil(tell_time / now->period);

@@ -357,6 +357,93 @@ TEST(a_force_that_shakes_is_told)
     assert_int_equal(verdict_of_turns(12.0), SOFTSIM_VERDICT_GUARDED);
 }
 
+/* ---- a device that tells nothing ---- */
+
+typedef enum teller { NOTHING, FORCE_SEQ, APPLIED_FORCE, CORRECTS, LOCKSTEP, TELLERS } teller;
+
+/* A spring of 400 N/m is pressed 8 mm deep for a second, and then `size` m to and fro `hz` times a
+ * second; or left at each turn, where it touches at 8 mm. Nothing is late here. */
+static softsim_verdict verdict_of_shakes(teller told, double hz, double size, double touch)
+{
+    ss_hand_watch watch = {.until = 0};
+    ss_hand_verdict worst = {SOFTSIM_VERDICT_GOOD, ""};
+    for (int k = 1; k <= 5000; ++k) {
+        const double shake = size * sin(2.0 * SS_PI * hz * 1e-3 * fmax(0.0, k - 1000));
+        const double depth = 0.008 * fmin(1.0, 1e-3 * k) + shake;
+        const softsim_force force = push_up(400.0 * fmax(0.0, depth - touch));
+        softsim_pose pose = at_depth(depth, told == FORCE_SEQ ? k - 1 : -1);
+        pose.seq = k;
+        pose.flags = told == CORRECTS ? SOFTSIM_POSE_CORRECTS : 0;
+        if (told == APPLIED_FORCE) {
+            ss_copy3(pose.applied_force, force.force);
+        }
+        const ss_hand_tick now = {.max_force_n = 8.0,
+                                  .tick = k,
+                                  .period = 1e-3,
+                                  .pose = &pose,
+                                  .sent = &force,
+                                  .is_lockstep = told == LOCKSTEP};
+        ss_hand_watch_tick(&watch, &now);
+        worst = ss_hand_verdict_worse(worst, ss_hand_watch_verdict(&watch, k));
+    }
+    assert_true(worst.verdict == SOFTSIM_VERDICT_GOOD || strstr(worst.reason, "force_seq"));
+    return worst.verdict;
+}
+
+/* 0.8 N to and fro is a tenth of what shakes a force: who says what he exerts, corrects it or has
+ * no delay is known by other means. */
+TEST(a_device_that_tells_nothing_is_told_where_late_forces_would_drive_it)
+{
+    assert_int_equal(verdict_of_shakes(NOTHING, 8.0, 0.002, 0.0), SOFTSIM_VERDICT_GUARDED);
+    for (teller k = FORCE_SEQ; k < TELLERS; ++k) {
+        assert_int_equal(verdict_of_shakes(k, 8.0, 0.002, 0.0), SOFTSIM_VERDICT_GOOD);
+    }
+}
+
+/* For 4 s each, without a delay: as a hand moves what it holds, trembles, taps and taps hard. */
+TEST(a_device_that_tells_nothing_may_move_as_hands_do)
+{
+    assert_int_equal(verdict_of_shakes(NOTHING, 2.0, 0.008, 0.0), SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(verdict_of_shakes(NOTHING, 3.0, 0.006, 0.0), SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(verdict_of_shakes(NOTHING, 10.0, 0.0003, 0.0), SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(verdict_of_shakes(NOTHING, 4.0, 0.005, 0.008), SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(verdict_of_shakes(NOTHING, 4.0, 0.016, 0.008), SOFTSIM_VERDICT_GUARDED);
+}
+
+/* J: what has to be counted, for 9 mJ and a pose lost in each of 40 moves there, at `there` N, and
+ * back, at `back` N. */
+static softsim_verdict verdict_with_lost(int lost, int32_t superseded, double there, double back)
+{
+    ss_hand_watch watch = {.until = 0};
+    int32_t seq = 0;
+    for (int k = 1; k <= 80; ++k) {
+        const double force = k % 2 == 0 ? there : back;
+        const softsim_force answer = push_up(force);
+        softsim_pose pose = at_depth(k % 2 == 0 ? 0.002 : 0.001, -1);
+        pose.seq = seq += 1 + lost + superseded;
+        ss_copy3(pose.applied_force, answer.force);
+        const ss_hand_tick now = {.max_force_n = 8.0,
+                                  .tick = k,
+                                  .period = 1e-3,
+                                  .pose = &pose,
+                                  .superseded = superseded,
+                                  .sent = &answer,
+                                  .contact_j = -0.009};
+        ss_hand_watch_tick(&watch, &now);
+    }
+    return ss_hand_watch_verdict(&watch, 80).verdict;
+}
+
+/* A force that is told alone is known where poses come. */
+TEST(what_a_lost_pose_would_have_told_is_counted)
+{
+    assert_int_equal(verdict_with_lost(0, 0, 2.0, 1.8), SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(verdict_with_lost(0, 1, 2.0, 1.8), SOFTSIM_VERDICT_GOOD);
+    assert_int_equal(verdict_with_lost(1, 0, 2.0, 1.8), SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(verdict_with_lost(1, 1, 2.0, 1.8), SOFTSIM_VERDICT_GUARDED);
+    assert_int_equal(verdict_with_lost(1, 0, 2.0, 2.0), SOFTSIM_VERDICT_GOOD);
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);
