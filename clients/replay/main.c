@@ -240,6 +240,9 @@ static void tell_result(const char *program, const options *o, const ss_replay *
     } else if (result == SS_REPLAY_STOPPED) {
         fprintf(stderr, "%s: stopped after %" PRId64 " of %" PRId64 " poses\n", program,
                 replay->statistics.poses, found->poses * o->repeat);
+    } else if (result == SS_REPLAY_HELD) {
+        fprintf(stderr, "%s: another sender still holds probe %" PRId32 ": nothing was played\n",
+                program, ss_claim_held(&replay->claim));
     } else if (result == SS_REPLAY_BROKEN) {
         fprintf(stderr, "%s: LCM failed\n", program);
     }
@@ -255,9 +258,11 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 ": its body has felt nothing of the poses before; play them again\n",
                 program, replay->changed_seq);
     }
-    if (replay->lost_seq > 0) {
-        fprintf(stderr, "%s: another sender holds probe %" PRId32 " since pose %" PRId32 "\n",
-                program, replay->lost_probe, replay->lost_seq);
+    if (replay->refused_seq > 0) {
+        fprintf(stderr,
+                "%s: another sender held probe %" PRId32 " at pose %" PRId32
+                ": what was refused is not felt; play the log again\n",
+                program, replay->refused_probe, replay->refused_seq);
     }
     const bool is_cut = result == SS_REPLAY_DONE && ss_replay_ended_unanswered(replay);
     if (is_cut) {
@@ -266,7 +271,7 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 program, replay->felt_seq, 1e-6 * (double)replay->felt_us,
                 1e-6 * (double)replay->played_us);
     }
-    return replay->changed_seq > 0 || replay->lost_seq > 0 || is_cut;
+    return replay->changed_seq > 0 || replay->refused_seq > 0 || is_cut;
 }
 
 /* Plays, reports, closes. */
@@ -308,9 +313,7 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     const bool is_written = finish_files(program, &replay, is_good);
     report(&replay, found);
     softsim_client_close(&replay.client);
-    if (result == SS_REPLAY_DONE && !is_answered && replay.statistics.other_sender > 0) {
-        fprintf(stderr, "%s: no answer came: another sender holds the probe\n", program);
-    } else if (result == SS_REPLAY_DONE && !is_answered) {
+    if (result == SS_REPLAY_DONE && !is_answered && replay.refused_seq == 0) {
         ss_silence_explain(program, &config, -1, "no answer came");
     }
     return is_good && is_written ? EXIT_SUCCESS : EXIT_FAILURE;

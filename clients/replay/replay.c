@@ -104,20 +104,21 @@ static const double *sent_position(const ss_replay *replay, int32_t seq)
     return is_remembered(replay, seq) ? replay->sent_position[seq % SS_REPLAY_SENT] : unknown;
 }
 
-/* Whose the probe is, as the first answer to a pose says. */
-static void note_holder(ss_replay *replay, const softsim_force *force)
+/* Once a first answer says so. */
+static void note_felt(ss_replay *replay, int32_t seq)
 {
-    if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
-        replay->is_holding[force->probe] = true;
-        if (force->pose_seq > replay->felt_seq) {
-            replay->felt_seq = force->pose_seq;
-            if (is_remembered(replay, force->pose_seq)) {
-                replay->felt_us = replay->sent_us[force->pose_seq % SS_REPLAY_SENT];
-            }
-        }
-    } else if (replay->is_holding[force->probe] && replay->lost_seq == 0) {
-        replay->lost_seq = force->pose_seq;
-        replay->lost_probe = force->probe;
+    replay->felt_seq = seq;
+    if (is_remembered(replay, seq)) {
+        replay->felt_us = replay->sent_us[seq % SS_REPLAY_SENT];
+    }
+}
+
+static void note_refused(ss_replay *replay, const softsim_force *force)
+{
+    ++replay->statistics.other_sender;
+    if (replay->refused_seq == 0) {
+        replay->refused_seq = force->pose_seq;
+        replay->refused_probe = force->probe;
     }
 }
 
@@ -129,6 +130,9 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     int32_t *answered = &replay->answered_seq[force->probe];
     const bool is_first =
         force->pose_seq > *answered && force->pose_seq <= replay->sent_seq[force->probe];
+    if (ss_claim_take_answer(&replay->claim, force)) {
+        return;
+    }
     replay->is_asking = false;
     if (replay->changed_seq == 0 && softsim_client_server_changes(replay->client) > 0) {
         replay->changed_seq = force->pose_seq;
@@ -151,10 +155,13 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
         *answered = force->pose_seq;
         ++statistics->answered;
         count_latency(statistics, latency_us);
-        note_holder(replay, force);
     }
     ++statistics->forces;
-    statistics->other_sender += (force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0;
+    if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0) {
+        note_refused(replay, force);
+    } else if (is_first && force->pose_seq > replay->felt_seq) {
+        note_felt(replay, force->pose_seq);
+    }
     statistics->peak_force_n = fmax(statistics->peak_force_n, ss_norm3(force->force));
     if (replay->csv.file != NULL && replay->csv.reason == 0) {
         write_row(replay->csv.file, force, latency_us,
@@ -268,7 +275,16 @@ static ss_replay_result drain(ss_replay *replay)
     return result == SS_REPLAY_SILENT ? SS_REPLAY_DONE : result; /* all is played */
 }
 
-ss_replay_result ss_replay_run(ss_replay *replay)
+/* What a wait that went on, or did not, means. */
+static ss_replay_result result_of(bool is_connected)
+{
+    return !is_connected             ? SS_REPLAY_BROKEN
+           : ss_process_is_stopped() ? SS_REPLAY_STOPPED
+                                     : SS_REPLAY_DONE;
+}
+
+/* Plays the whole log so many times. */
+static ss_replay_result play(ss_replay *replay)
 {
     const int64_t start_ns = softsim_client_now_ns();
     ss_replay_result result = SS_REPLAY_DONE;
@@ -300,5 +316,21 @@ ss_replay_result ss_replay_run(ss_replay *replay)
         }
         turn_us = last_us + replay->repeat_gap_us;
     }
-    return result == SS_REPLAY_DONE && !replay->is_lockstep ? drain(replay) : result;
+    return result;
+}
+
+static ss_replay_result play_paced(ss_replay *replay)
+{
+    ss_replay_result result =
+        result_of(ss_claim_wait(&replay->claim, replay->client, replay->poses, replay->speed));
+    if (result == SS_REPLAY_DONE && ss_claim_held(&replay->claim) >= 0) {
+        return SS_REPLAY_HELD;
+    }
+    result = result == SS_REPLAY_DONE ? play(replay) : result;
+    return result == SS_REPLAY_DONE ? drain(replay) : result;
+}
+
+ss_replay_result ss_replay_run(ss_replay *replay)
+{
+    return replay->is_lockstep ? play(replay) : play_paced(replay);
 }

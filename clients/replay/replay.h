@@ -12,11 +12,15 @@
  * log so far. A lockstep replay, whose forces are a result, ends there, before the first of them;
  * a paced one is played on to it. At the end of a paced one, when no answer is of the last half
  * second of the log, a server that is only late is waited for, as long as anywhere in the log.
+ *
+ * What else makes the forces others than those of the log is noted, and played on: poses refused
+ * since another sender holds the probe, which a paced replay waits for before it begins (claim.h).
  * Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "claim.h"
 #include "indentation.h"
 #include "output.h"
 #include "softsim/client.h"
@@ -55,11 +59,11 @@ typedef struct ss_replay {
     int64_t played_us;                       /* that of the last pose sent */
     int32_t felt_seq;                        /* the newest that this sender's force answers */
     int64_t felt_us;                         /* its time in the log */
-    bool is_holding[SOFTSIM_MAX_PROBES];     /* such a force came, by channel */
-    int32_t lost_seq, lost_probe; /* the first then refused for another sender; 0: none */
-    int32_t changed_seq;          /* the first that another server answers; 0: none */
-    bool has_told_lost;           /* that a recording could not be written on */
-    int32_t seq;                  /* of the last pose sent */
+    ss_claim claim;
+    int32_t refused_seq, refused_probe;       /* the first refused for another sender; 0: none */
+    int32_t changed_seq;                      /* the first that another server answers; 0: none */
+    bool has_told_lost;                       /* that a recording could not be written on */
+    int32_t seq;                              /* of the last pose sent */
     int32_t answered_seq[SOFTSIM_MAX_PROBES]; /* the newest answered, by channel */
     int32_t sent_seq[SOFTSIM_MAX_PROBES];     /* the last sent, by channel */
     bool is_asking;                           /* a pose was sent since the last answer */
@@ -73,6 +77,7 @@ typedef enum ss_replay_result {
     SS_REPLAY_STOPPED, /* by a signal */
     SS_REPLAY_SILENT,  /* 5 s without an answer */
     SS_REPLAY_CHANGED, /* lockstep: another server answers */
+    SS_REPLAY_HELD,    /* another sender did not let go of a probe: nothing was played */
     SS_REPLAY_BROKEN   /* LCM failed */
 } ss_replay_result;
 
