@@ -264,6 +264,12 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 ": what was refused is not felt; play the log again\n",
                 program, replay->refused_probe, replay->refused_seq);
     }
+    if (replay->gap_seq > 0) {
+        fprintf(stderr,
+                "%s: no answer for %.1f s from pose %" PRId32
+                " on (%.3f s of the log): what was sent meanwhile is not felt; play it again\n",
+                program, replay->gap_s, replay->gap_seq, 1e-6 * (double)replay->gap_us);
+    }
     const bool is_cut = result == SS_REPLAY_DONE && ss_replay_ended_unanswered(replay);
     if (is_cut) {
         fprintf(stderr,
@@ -271,7 +277,7 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 program, replay->felt_seq, 1e-6 * (double)replay->felt_us,
                 1e-6 * (double)replay->played_us);
     }
-    return replay->changed_seq > 0 || replay->refused_seq > 0 || is_cut;
+    return replay->changed_seq > 0 || replay->refused_seq > 0 || replay->gap_seq > 0 || is_cut;
 }
 
 /* Plays, reports, closes. */

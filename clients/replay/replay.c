@@ -13,6 +13,7 @@ static const int64_t silence_ns = 5000000000; /* without an answer: failure */
 static const int64_t resend_ns = 100000000;   /* lockstep: the pose or its answer was lost */
 static const int64_t drain_ns = 500000000;    /* for the last answers */
 static const int64_t recent_us = 500000;      /* of the log: answered to its end */
+static const double long_s = 1.0;             /* without an answer, while poses were sent */
 /* Between two looks at the clock: what is longer, the machine held this program back, and an answer
  * may lie unread; it is counted as so much. */
 static const int64_t look_ns = 100000000;
@@ -104,7 +105,7 @@ static const double *sent_position(const ss_replay *replay, int32_t seq)
     return is_remembered(replay, seq) ? replay->sent_position[seq % SS_REPLAY_SENT] : unknown;
 }
 
-/* Once a first answer says so. */
+/* The newest pose that a force of this sender answers, and where in the log it is. */
 static void note_felt(ss_replay *replay, int32_t seq)
 {
     replay->felt_seq = seq;
@@ -122,6 +123,20 @@ static void note_refused(ss_replay *replay, const softsim_force *force)
     }
 }
 
+/* An answer is here: was there none for long, by the clock and by the log? The clock alone counts
+ * a pause of the log, the log alone what a program that was held back sends at once. */
+static void note_gap(ss_replay *replay)
+{
+    const double waited_s = 1e-9 * (double)replay->silent_ns;
+    const double sent_s = 1e-6 * (double)(replay->played_us - replay->asked_us) / replay->speed;
+    if (replay->is_asking && !replay->is_lockstep && replay->gap_seq == 0 &&
+        fmin(waited_s, sent_s) >= long_s) {
+        replay->gap_seq = replay->asked_seq;
+        replay->gap_us = replay->asked_us;
+        replay->gap_s = waited_s;
+    }
+}
+
 void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns)
 {
     ss_replay *replay = context;
@@ -133,6 +148,7 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     if (ss_claim_take_answer(&replay->claim, force)) {
         return;
     }
+    note_gap(replay);
     replay->is_asking = false;
     if (replay->changed_seq == 0 && softsim_client_server_changes(replay->client) > 0) {
         replay->changed_seq = force->pose_seq;
@@ -186,6 +202,8 @@ static void send_pose(ss_replay *replay, softsim_pose_event *event, int64_t log_
     ss_copy3(replay->sent_position[replay->seq % SS_REPLAY_SENT], event->pose.position);
     if (!replay->is_asking) {
         replay->is_asking = true;
+        replay->asked_seq = replay->seq;
+        replay->asked_us = log_us;
         replay->silent_ns = 0;
         replay->looked_ns = softsim_client_now_ns();
     }

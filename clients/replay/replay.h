@@ -14,7 +14,8 @@
  * second of the log, a server that is only late is waited for, as long as anywhere in the log.
  *
  * What else makes the forces others than those of the log is noted, and played on: poses refused
- * since another sender holds the probe, which a paced replay waits for before it begins (claim.h).
+ * since another sender holds the probe, which a paced replay waits for before it begins (claim.h);
+ * a second of a paced one without an answer.
  * Thread: main.
  */
 #include <stdbool.h>
@@ -60,13 +61,18 @@ typedef struct ss_replay {
     int32_t felt_seq;                        /* the newest that this sender's force answers */
     int64_t felt_us;                         /* its time in the log */
     ss_claim claim;
-    int32_t refused_seq, refused_probe;       /* the first refused for another sender; 0: none */
-    int32_t changed_seq;                      /* the first that another server answers; 0: none */
-    bool has_told_lost;                       /* that a recording could not be written on */
-    int32_t seq;                              /* of the last pose sent */
+    int32_t refused_seq, refused_probe; /* the first refused for another sender; 0: none */
+    int32_t gap_seq;     /* the first of those that went without an answer for long; 0: none */
+    int64_t gap_us;      /* its time in the log, */
+    double gap_s;        /* and how long */
+    int32_t changed_seq; /* the first that another server answers; 0: none */
+    bool has_told_lost;  /* that a recording could not be written on */
+    int32_t seq;         /* of the last pose sent */
     int32_t answered_seq[SOFTSIM_MAX_PROBES]; /* the newest answered, by channel */
     int32_t sent_seq[SOFTSIM_MAX_PROBES];     /* the last sent, by channel */
     bool is_asking;                           /* a pose was sent since the last answer */
+    int32_t asked_seq;                        /* the first of those, */
+    int64_t asked_us;                         /* and its time in the log */
     int64_t silent_ns, looked_ns; /* waited for one since then; last look at the clock */
     bool has_heard_two;           /* servers; the first one's answers are kept */
     ss_replay_statistics statistics;

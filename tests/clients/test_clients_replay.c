@@ -376,11 +376,40 @@ SERVED_TEST(a_late_server_is_waited_for)
     const char *log = in_folder("a.lcmlog");
     const char *const argv[] = {"softsim-replay", log, NULL};
     make_log(log, 1500, 1);
-    stand_in.mute_from = 500;
+    stand_in.mute_from = 900; /* more than a second would be told */
     stand_in.mute_until = INT32_MAX;
     stand_in.is_late = true;
     run_served(argv, 0);
     assert_string_equal(child.err, "");
+}
+
+/* A second of them, that is; the log goes on to its end. A server that is held back meanwhile takes
+ * the poses faster than they were sent, and its silence is shorter: then it is played again. */
+SERVED_TEST(answers_that_are_away_for_long_are_told)
+{
+    const char *log = in_folder("a.lcmlog"), *csv = in_folder("a.csv");
+    const char *const argv[] = {"softsim-replay", log, "--csv", csv, NULL};
+    make_log(log, 2500, 1);
+    const char *said = NULL;
+    for (int runs = 0; said == NULL; ++runs) {
+        assert_true(runs < 20);
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.mute_from = 500;
+        stand_in.mute_until = 2000;
+        start_server();
+        const int status = process_run(&child, argv);
+        stop_server();
+        said = strstr(child.err, "no answer for ");
+        assert_int_equal(status, said != NULL);
+    }
+    double length_s = 0.0;
+    int pose = 0;
+    assert_int_equal(sscanf(said, "no answer for %lf s from pose %d on", &length_s, &pose), 2);
+    assert_true(length_s >= 1.0 && pose >= 400);
+    assert_null(strstr(said + 1, "no answer for "));
+    assert_non_null(strstr(child.out, "2500 sent"));
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_true(read_csv(in_folder("a.csv.part")) > 0);
 }
 
 SERVED_TEST(poses_refused_for_another_sender_are_told)

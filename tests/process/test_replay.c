@@ -47,6 +47,53 @@ TEST_WITH(a_replay_waits_for_the_bridge_before, make_folder, tear_down)
     assert_int_equal(stop_daemon(), 0);
 }
 
+static void count_pose(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    (void)buffer, (void)channel;
+    ++*(int *)user;
+}
+
+/* Poses of the replay, by one who listens, so many more. */
+static void hear_poses(lcm_t *lcm, const int *poses, int more)
+{
+    const int wanted = *poses + more;
+    while (*poses < wanted && !process_has_ended(&client)) {
+        lcm_handle_timeout(lcm, 200);
+    }
+    assert_true(*poses >= wanted);
+}
+
+/* Two seconds of the log at its own speed, of which nothing is felt. Where the machine held the
+ * replay back meanwhile, it has waited for less, and is played again. */
+TEST_WITH(a_server_that_stood_still_is_told, make_folder, tear_down)
+{
+    const char *const csv = in_folder("a.csv");
+    const char *const replay[] = {"softsim-replay", POKE, "--speed", "2", "--csv", csv, NULL};
+    start_daemon(tube(), NULL);
+    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(lcm);
+    int poses = 0;
+    assert_non_null(lcm_subscribe(lcm, "SOFTSIM_PROBE_0", count_pose, &poses));
+    for (int runs = 0; runs == 0 || client.status == 0; ++runs) {
+        assert_true(runs < 20);
+        process_start(&client, replay, NULL);
+        hear_poses(lcm, &poses, 500);
+        process_signal(&daemon_process, SIGSTOP);
+        hear_poses(lcm, &poses, 4000);
+        process_signal(&daemon_process, SIGCONT);
+        process_finish(&client);
+        if (client.status == 0) {
+            unlink(csv);
+        }
+    }
+    lcm_destroy(lcm);
+    assert_int_equal(client.status, 1);
+    assert_non_null(strstr(client.err, "no answer for "));
+    assert_null(strstr(client.err, "has softsimd ended"));
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(stop_daemon(), 0);
+}
+
 /* Poses of a sender of one's own, until the replay has ended. */
 static void send_beside(const char *channel, int probe)
 {
