@@ -189,6 +189,12 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     }
 }
 
+void ss_replay_take_status(void *context, const softsim_server_status *status, int64_t receive_ns)
+{
+    (void)receive_ns;
+    ss_ticks_take_status(&((ss_replay *)context)->ticks, status);
+}
+
 /* ---- sending ---- */
 
 /* Gives the pose its number and time and sends it; `log_us` is its time in the log. */
@@ -337,6 +343,20 @@ static ss_replay_result play(ss_replay *replay)
     return result;
 }
 
+static ss_replay_result play_in_lockstep(ss_replay *replay)
+{
+    ss_ticks *ticks = &replay->ticks;
+    ss_replay_result result = result_of(ss_ticks_ask(ticks, replay->client));
+    const bool is_counted = ticks->statuses > 0;
+    const int64_t before = ticks->count;
+    result = result == SS_REPLAY_DONE ? play(replay) : result;
+    if (result == SS_REPLAY_DONE && is_counted) {
+        result = result_of(ss_ticks_ask(ticks, replay->client));
+        replay->statistics.other_ticks = ticks->count - before - replay->statistics.poses;
+    }
+    return result;
+}
+
 static ss_replay_result play_paced(ss_replay *replay)
 {
     ss_replay_result result =
@@ -350,5 +370,5 @@ static ss_replay_result play_paced(ss_replay *replay)
 
 ss_replay_result ss_replay_run(ss_replay *replay)
 {
-    return replay->is_lockstep ? play(replay) : play_paced(replay);
+    return replay->is_lockstep ? play_in_lockstep(replay) : play_paced(replay);
 }

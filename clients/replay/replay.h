@@ -15,7 +15,7 @@
  *
  * What else makes the forces others than those of the log is noted, and played on: poses refused
  * since another sender holds the probe, which a paced replay waits for before it begins (claim.h);
- * a second of a paced one without an answer.
+ * a second of a paced one without an answer; in lockstep, ticks that others' poses made (ticks.h).
  * Thread: main.
  */
 #include <stdbool.h>
@@ -26,6 +26,7 @@
 #include "output.h"
 #include "softsim/client.h"
 #include "softsim/log.h"
+#include "ticks.h"
 
 /* Latencies are counted in buckets of 1 us up to here; longer ones in the last. */
 enum { SS_REPLAY_BUCKETS = 100 * 1000, SS_REPLAY_SENT = 4096 };
@@ -37,6 +38,7 @@ typedef struct ss_replay_statistics {
     int64_t resent;
     int64_t duplicates;   /* second answers in lockstep, not kept */
     int64_t other_sender; /* forces that say that another sender holds the probe */
+    int64_t other_ticks;  /* of a lockstep server's world, made by the poses of others */
     double peak_force_n;
     int64_t latency_count, max_latency_us; /* of the first answer to each pose */
     uint32_t latency[SS_REPLAY_BUCKETS];
@@ -61,6 +63,7 @@ typedef struct ss_replay {
     int32_t felt_seq;                        /* the newest that this sender's force answers */
     int64_t felt_us;                         /* its time in the log */
     ss_claim claim;
+    ss_ticks ticks;
     int32_t refused_seq, refused_probe; /* the first refused for another sender; 0: none */
     int32_t gap_seq;     /* the first of those that went without an answer for long; 0: none */
     int64_t gap_us;      /* its time in the log, */
@@ -87,8 +90,9 @@ typedef enum ss_replay_result {
     SS_REPLAY_BROKEN   /* LCM failed */
 } ss_replay_result;
 
-/* Callback of the client; `context` is the ss_replay. */
+/* Callbacks of the client; `context` is the ss_replay. Of statuses, for lockstep. */
 void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns);
+void ss_replay_take_status(void *context, const softsim_server_status *status, int64_t receive_ns);
 /* Plays; the parameters and `client` are set, the rest is zero. */
 ss_replay_result ss_replay_run(ss_replay *replay);
 /* Did the answers end over half a second of the log before it did, and not for lateness? For who

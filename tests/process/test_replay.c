@@ -22,6 +22,18 @@ static void expect_exit(int expected)
     }
 }
 
+/* It says `said`, once, and what it kept is not complete. */
+static void expect_doubt(const char *said, const char *csv)
+{
+    expect_exit(1);
+    const char *at = strstr(client.err, said);
+    if (at == NULL) {
+        fail_msg("no '%s' in: %s", said, client.err);
+    }
+    assert_null(strstr(at + 1, said));
+    assert_int_equal(access(csv, F_OK), -1);
+}
+
 /* The bridge before has not let go: all of the log is played after it has. */
 TEST_WITH(a_replay_waits_for_the_bridge_before, make_folder, tear_down)
 {
@@ -106,6 +118,34 @@ static void send_beside(const char *channel, int probe)
         lcm_handle_timeout(lcm, 1);
     }
     lcm_destroy(lcm);
+}
+
+/* In lockstep each of them is a tick, refused or not: on the log's own probe, and on another. */
+TEST_WITH(ticks_of_others_are_told_by_a_lockstep_replay, make_folder, tear_down)
+{
+    const char *const lockstep[] = {"--lockstep", NULL};
+    const char *const csv = in_folder("a.csv");
+    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", "--csv", csv, NULL};
+    for (int probe = 0; probe < 2; ++probe) {
+        start_daemon(tube(), lockstep);
+        watch w;
+        watch_open(&w);
+        process_start(&client, replay, NULL);
+        while (w.forces == 0 && !process_has_ended(&client)) {
+            lcm_handle_timeout(w.lcm, 200);
+        }
+        watch_close(&w);
+        send_beside(probe == 0 ? "SOFTSIM_PROBE_0" : "SOFTSIM_PROBE_1", probe);
+        expect_doubt("poses of other senders made ", csv);
+        assert_int_equal(stop_daemon(), 0);
+    }
+    /* Without them it is the log's. */
+    start_daemon(tube(), lockstep);
+    if (process_run(&client, replay) != 0) {
+        fail_msg("replay: %s%s", client.out, client.err);
+    }
+    assert_null(strstr(client.err, "ticks"));
+    assert_int_equal(stop_daemon(), 0);
 }
 
 /* In real time what is refused harms nobody. */
