@@ -19,6 +19,7 @@ static const double velocity_cutoff_hz = 50.0;
 static const double least_slew_n_per_s = 10.0;          /* that a server takes */
 static const double usual_slew_n_per_s = 2000.0;        /* until it has told its own */
 static const int64_t away_ns = 250000000;               /* without a force: they have stopped */
+static const int64_t long_ns = 1000000000;              /* and what was recorded has a gap */
 static const double withhold_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
 enum {
     FIRST_FORCES = 100, /* in which a start inside the tissue shows */
@@ -295,6 +296,7 @@ static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t ar
                    1e-9 * (double)(arrival_ns - bridge->start_ns),
                    1e-9 * (double)(arrival_ns - bridge->last_force_ns));
         summary->has_stopped = false;
+        summary->has_gap |= arrival_ns - bridge->last_force_ns >= long_ns;
     }
     bridge->last_force_ns = arrival_ns;
     ++summary->forces;

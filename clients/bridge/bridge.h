@@ -13,7 +13,8 @@
  * meanwhile, which costs realism but never runs two periods on one force.
  * Forces that stay away for a quarter of a second have stopped, and stderr says so; the device's
  * have long faded by then (correct.h). A server that is started again, or another in its place, is
- * taken up, its force as it ramps it in; stderr says so, and the run is not of one body.
+ * taken up, its force as it ramps it in; stderr says so, and the run is not of one body. One whose
+ * forces were away for a second is not all felt.
  * While two servers answer, the force goes to zero in 20 ms, and comes back in 500 ms when one is
  * left: no hand shall feel now one body, now the other.
  * Thread: one, main. Nothing is allocated while it runs; rows of the CSV go into a large buffer,
@@ -55,6 +56,7 @@ typedef struct ss_bridge_summary {
     double other_s;     /* from the first of them to the first force after */
     bool was_inside;    /* the first forces were faded in: the hand began inside the tissue */
     bool has_stopped;   /* forces came, and were away at the end */
+    bool has_gap;       /* they were away for a second or longer, and came again */
     bool has_withheld;  /* two servers were heard */
     int64_t changed_ns; /* another server answers in the first one's place since; 0: none does */
     bool is_complete;   /* ran to its own end, or has none and was stopped */

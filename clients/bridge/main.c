@@ -259,10 +259,10 @@ static void report(const ss_bridge_summary *s, bool is_linear)
     printf("energy in   %.6g J\n", s->energy_in_j);
 }
 
-/* Were all forces one server's? */
-static bool is_of_one(const ss_bridge_summary *summary)
+/* Were all forces one server's, and never away for long? */
+static bool is_whole(const ss_bridge_summary *summary)
 {
-    return !summary->has_withheld && summary->changed_ns == 0;
+    return !summary->has_withheld && summary->changed_ns == 0 && !summary->has_gap;
 }
 
 /* Runs the bridge in real time. An exit status. */
@@ -302,11 +302,10 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
         tell_miss(program, &config, (int32_t)o->probe, &bridge->summary);
     }
     const ss_bridge_summary *s = &bridge->summary;
-    return is_good && s->forces > 0 && !s->has_stopped && is_of_one(s) ? EXIT_SUCCESS
-                                                                       : EXIT_FAILURE;
+    return is_good && s->forces > 0 && !s->has_stopped && is_whole(s) ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-/* A recording has its own name only when it is complete, and of one server. */
+/* A recording has its own name only when it is complete, of one server, without a gap. */
 static bool finish_csv(const char *program, const ss_bridge_summary *summary, ss_output *csv,
                        softsim_error *error)
 {
@@ -314,7 +313,7 @@ static bool finish_csv(const char *program, const ss_bridge_summary *summary, ss
         fprintf(stderr, "%s: ended before its time, after %" PRId64 " ticks\n", program,
                 summary->ticks);
     }
-    if (!summary->is_complete || !is_of_one(summary)) {
+    if (!summary->is_complete || !is_whole(summary)) {
         ss_output_keep(csv, error);
     } else {
         ss_output_commit(csv, error);
