@@ -15,8 +15,8 @@
  * have long faded by then (correct.h). A server that is started again, or another in its place, is
  * taken up, its force as it ramps it in; stderr says so, and the run is not of one body. One whose
  * forces were away for a second is not all felt.
- * While two servers answer, the force goes to zero in 20 ms, and comes back in 500 ms when one is
- * left: no hand shall feel now one body, now the other.
+ * The force is withheld until who answers has been alone for 40 ms, and while two servers answer
+ * (withhold.h). Limits are those of the server whose forces come: another's are forgotten.
  * Thread: one, main. Nothing is allocated while it runs; rows of the CSV go into a large buffer,
  * whose writing out once a second is the one thing that may cost a period.
  */
@@ -31,6 +31,7 @@
 #include "indentation.h"
 #include "output.h"
 #include "softsim/client.h"
+#include "withhold.h"
 
 typedef struct ss_bridge_config {
     int32_t probe;
@@ -91,7 +92,7 @@ typedef struct ss_bridge {
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
     bool is_change_told;
-    double withheld;               /* share of the force that is kept back: two servers answer */
+    ss_withholding withholding;
     ss_bus *poses_out, *forces_in; /* NULL without a server */
     ss_bridge_summary summary;
 } ss_bridge;
@@ -104,6 +105,8 @@ void ss_bridge_fini(ss_bridge *bridge);
 /* Callbacks of the client; `context` is the ss_bridge. */
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns);
 void ss_bridge_take_scene(void *context, const softsim_scene_report *scene);
+/* Once a period, behind what came in it. */
+void ss_bridge_watch_servers(ss_bridge *bridge, const ss_speakers *heard, int64_t now_ns);
 /* Runs in real time until the ticks are done, the device ends or a signal comes; false when LCM
  * failed. */
 bool ss_bridge_run(ss_bridge *bridge, softsim_client *client);

@@ -47,6 +47,7 @@ typedef struct server {
     int other_from;            /* and from this one on; 0: never */
     int held_questions;        /* so many of whose a probe is find that another sender holds it */
     int replaced_from;         /* another server answers from this one on; 0: never */
+    int raced_until;           /* a stranger answers earlier ones first, from where `next` speaks */
     bool is_late;              /* what is muted is answered once the poses have ended */
     bool is_entering;          /* answers as to a tool that has come up inside the tissue */
     bool sends_status;
@@ -66,12 +67,17 @@ typedef struct server {
 
 static server stand_in;
 
-static inline void publish_force(server *s, const char *channel, const softsim_force *force)
+static inline void publish_force_from(lcm_t *lcm, const char *channel, const softsim_force *force)
 {
     uint8_t data[SS_WIRE_FORCE_SIZE];
     ss_wire_encode_force(force, data);
-    lcm_publish(s->replaced_from > 0 && s->fresh >= s->replaced_from ? s->next : s->lcm, channel,
-                data, sizeof data);
+    lcm_publish(lcm, channel, data, sizeof data);
+}
+
+static inline void publish_force(server *s, const char *channel, const softsim_force *force)
+{
+    const bool is_replaced = s->replaced_from > 0 && s->fresh >= s->replaced_from;
+    publish_force_from(is_replaced ? s->next : s->lcm, channel, force);
 }
 
 static inline void publish_rubbish(server *s, const char *channel, const softsim_force *force)
@@ -181,6 +187,12 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
     }
     char answer[64];
     snprintf(answer, sizeof answer, "SOFTSIM_FORCE_%d", probe);
+    if (s->fresh < s->raced_until) {
+        softsim_force forged = force;
+        forged.flags = SOFTSIM_FORCE_CONTACT;
+        ss_set3(forged.force, 0.0, 0.0, 100.0);
+        publish_force_from(s->next, answer, &forged);
+    }
     if (s->sends_rubbish) {
         publish_rubbish(s, answer, &force);
     }

@@ -385,6 +385,46 @@ SERVED_TEST(bridge_tells_that_another_server_answers)
     assert_int_equal(count_lines(part, false), 1501);
 }
 
+/* N: the largest that a file of the bridge tells. */
+static double largest_force(const char *path)
+{
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    char line[2048];
+    double largest = 0.0, force[3];
+    assert_non_null(fgets(line, sizeof line, file)); /* its header */
+    while (fgets(line, sizeof line, file) != NULL) {
+        char *at = line;
+        for (int k = 0; k < 13; ++k) {
+            force[k % 3] = strtod(at, &at); /* columns 10 to 12 are left: 1, 2, 0 */
+            at += *at == ',';
+        }
+        largest = fmax(largest, ss_norm3(force));
+    }
+    fclose(file);
+    return largest;
+}
+
+/* A stranger answers every pose before the server does, or the first alone: 100 N. The device would
+ * exert 20. */
+SERVED_TEST(who_answers_before_the_server_is_not_felt)
+{
+    static const int until[] = {INT32_MAX, 2};
+    const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0",
+                                "--ticks",        "1000",     "--csv", csv,          NULL};
+    for (size_t i = 0; i < sizeof until / sizeof *until; ++i) {
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.raced_until = until[i];
+        run_served(argv, 1);
+        const double largest = largest_force(part);
+        print_message("%d: %.4g N\n%s", until[i], largest, child.err);
+        assert_true(largest < 0.015 * stiffness); /* 15 mm, deeper than it presses */
+        assert_int_equal(access(csv, F_OK), -1);
+        assert_int_equal(unlink(part), 0);
+    }
+}
+
 SERVED_TEST(bridge_tells_whose_the_probe_is)
 {
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
