@@ -207,7 +207,10 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     double world[3], device[3];
     pose->force_seq = ss_corrector_force_seq(&bridge->corrector, now_ns);
     ss_corrector_force(&bridge->corrector, now_ns, pose->position, world);
-    ss_scale3(world, world, 1.0 - bridge->withholding.share);
+    if (bridge->withholding.share > 0.0) {
+        ss_scale3(world, world, 1.0 - bridge->withholding.share);
+        ss_corrector_withhold(&bridge->corrector, bridge->withholding.share);
+    }
     ss_frame_force_to_device(&bridge->frame, world, device);
     const bool is_contact =
         pose->force_seq >= 0 && (bridge->corrector.force.flags & SOFTSIM_FORCE_CONTACT) != 0;

@@ -224,3 +224,11 @@ void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double po
     ss_copy3(corrector->exerted, out_force);
     ss_copy3(corrector->exerted_at, position);
 }
+
+void ss_corrector_withhold(ss_corrector *corrector, double share)
+{
+    ss_scale3(corrector->exerted, corrector->exerted, 1.0 - share);
+    if (share >= 1.0) {
+        ss_set3(corrector->undamped, 0.0, 0.0, 0.0);
+    }
+}

@@ -32,6 +32,7 @@ void ss_withholding_step(ss_withholding *w, const ss_speakers *heard, bool is_fe
 {
     if (heard->changes != w->before.changes) {
         w->is_trusted = w->was_second = false;
+        w->before.second = heard->second; /* its own, while it was the second */
         w->alone_ns = 0;
         w->take_up_s = begin_s;
         w->share = is_felt ? w->share : 1.0; /* what is on its way from the one before fades */

@@ -190,7 +190,7 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
     if (s->fresh < s->raced_until) {
         softsim_force forged = force;
         forged.flags = SOFTSIM_FORCE_CONTACT;
-        ss_set3(forged.force, 0.0, 0.0, 100.0);
+        ss_set3(forged.force, 0.0, 0.0, 1e4);
         publish_force_from(s->next, answer, &forged);
     }
     if (s->sends_rubbish) {

@@ -405,7 +405,7 @@ static double largest_force(const char *path)
     return largest;
 }
 
-/* A stranger answers every pose before the server does, or the first alone: 100 N. The device would
+/* A stranger answers every pose before the server does, or the first alone: 10 kN. The device would
  * exert 20. */
 SERVED_TEST(who_answers_before_the_server_is_not_felt)
 {

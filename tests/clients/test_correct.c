@@ -153,6 +153,29 @@ TEST(the_force_moves_by_the_slew)
     }
 }
 
+/* 10 kN that nobody felt, then 1 N: by the slew it would take five seconds. What moved meanwhile
+ * was neither given nor taken. */
+TEST(a_force_that_was_withheld_is_no_beginning)
+{
+    static ss_corrector c;
+    const ss_corrector_limits limits = {0.0, 2000.0};
+    ss_corrector_init(&c, true, limits);
+    for (int32_t ms = 0; ms < 60; ++ms) {
+        const double at[3] = {0.0, 0.0, -1e-4 * fmin(ms, 50.0)};
+        softsim_force force = make_force(0);
+        double out[3];
+        ss_set3(force.force, 0.0, 0.0, ms < 50 ? 1e4 : 1.0);
+        ss_corrector_take_force(&c, &force, ms * 1000000LL);
+        ss_corrector_force(&c, ms * 1000000LL, at, out);
+        if (ms < 51) {
+            ss_corrector_withhold(&c, 1.0);
+        } else {
+            assert_near(out[2], 1.0, 1e-12);
+        }
+        assert_near(c.energy_j, 0.0, 0.0);
+    }
+}
+
 /* Silent for 100 ms, and there again. */
 TEST(force_comes_back_slowly_after_a_silence)
 {

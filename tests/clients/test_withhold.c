@@ -90,6 +90,7 @@ TEST_WITH(another_in_its_place_is_alone_as_long_first, begin, NULL)
     heard.has_force = true;
     pass(100);
     ++heard.changes;
+    heard.second += 100; /* what it said before it was taken */
     ss_withholding_step(&held, &heard, false, 1000000LL * now_ms++, 1e-3);
     assert_near(held.share, 1.0, 0.0);
     pass(39);
