@@ -259,11 +259,7 @@ static void report(const ss_bridge_summary *s, bool is_linear)
                s->latency_sum_us / (s->answered > 0 ? (double)s->answered : 1.0),
                s->max_latency_us);
     }
-    printf("peak force  %.6g N", s->peak_force_n);
-    if (!is_linear && s->peak_force_n > 0.0) {
-        printf(" at %.3g mm of indentation", 1e3 * s->peak_indentation_m);
-    }
-    printf("\n");
+    ss_bridge_print_peak(s, is_linear, stdout);
     printf("contact     %.1f %% of the time\n", 100.0 * (double)s->contact_ticks / ticks);
     printf("energy in   %.6g J\n", s->energy_in_j);
 }
