@@ -392,6 +392,7 @@ TEST(a_surface_is_evened_out)
     write_text("needle.obj", NEEDLE);
     assert_int_equal(run(TOOL "check needle.obj", out, sizeof out), 1);
     assert_non_null(strstr(out, "worst: softsim-mesh remesh IN OUT --edge-mm N"));
+    assert_non_null(strstr(out, "model       mass-spring: a surface mesh needs thickness_m"));
 }
 
 /* What check names for slivers is taken, or what is to be done first is said. */
