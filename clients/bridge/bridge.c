@@ -504,3 +504,15 @@ void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t d
         exert(bridge, now_ns, &pose);
     }
 }
+
+/* ---- summary ---- */
+
+void ss_bridge_print_peak(const ss_bridge_summary *summary, bool is_linear, FILE *out)
+{
+    const double in_mm = 1e3 * summary->peak_indentation_m;
+    fprintf(out, "peak force  %.6g N", summary->peak_force_n);
+    if (!is_linear && summary->peak_force_n > 0.0) {
+        fprintf(out, in_mm < 0.0 ? ", pulled %.3g mm" : " at %.3g mm of indentation", fabs(in_mm));
+    }
+    fputc('\n', out);
+}

@@ -113,6 +113,9 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client);
 /* Runs without LCM, as fast as possible, against F_z = max(0, -stiffness z) on the pose of
  * `delay_ticks` (0..1000) before, 0 until there is one. */
 void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t delay_ticks);
+/* The line of the summary that tells the largest force and where: pressed in, or in a grasp pulled
+ * out. */
+void ss_bridge_print_peak(const ss_bridge_summary *summary, bool is_linear, FILE *out);
 /* The header line of the CSV, with its \n: without a server, and with the columns that a server
  * adds; and what each is, for --help. */
 extern const char ss_bridge_csv_header[];

@@ -300,6 +300,10 @@ SERVED_TEST(bridge_without_a_server_fails_and_says_so)
                                 "0,0,0",          "--ticks",  "50",  NULL};
     assert_int_equal(process_run(&child, argv), 1);
     assert_non_null(strstr(child.err, "no force came"));
+    /* The tissue is not looked for longer than the run is to be. */
+    const char *const brief[] = {"softsim-bridge", "--device", "sim", "--duration", "2", NULL};
+    assert_int_equal(process_run(&child, brief), 1);
+    assert_non_null(strstr(child.err, "the tissue was not found: no server was heard in 2 s; "));
 }
 
 SERVED_TEST(bridge_tells_that_forces_stop)
