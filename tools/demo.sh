@@ -10,7 +10,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --seconds) seconds="${2:-}"; shift; [ $# = 0 ] || shift ;;
     --seconds=*) seconds="${1#*=}"; shift ;;
-    --no-web) web="" ;;
+    --no-web) web=""; shift ;;
     --help) sed -n '2,/^set /s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "demo.sh: unknown argument '$1'; use --seconds N or --no-web" >&2; exit 2 ;;
   esac

@@ -16,10 +16,10 @@
 #include "rt/vec.h"
 
 static const double velocity_cutoff_hz = 50.0;
-static const double least_slew_n_per_s = 10.0;          /* that a server takes */
-static const double usual_slew_n_per_s = 2000.0;        /* until it has told its own */
-static const int64_t away_ns = 250000000;               /* without a force: they have stopped */
-static const double withhold_s = 0.02, take_up_s = 0.5; /* with two servers, and with one again */
+static const double least_slew_n_per_s = 10.0;   /* that a server takes */
+static const double usual_slew_n_per_s = 2000.0; /* until it has told its own */
+static const int64_t away_ns = 250000000;        /* without a force: they have stopped */
+static const int64_t long_ns = 1000000000;       /* and what was recorded has a gap */
 enum {
     FIRST_FORCES = 100, /* in which a start inside the tissue shows */
     LATE_FORCES = 100   /* a force numbered lower by more is of a server that was started again */
@@ -207,7 +207,10 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     double world[3], device[3];
     pose->force_seq = ss_corrector_force_seq(&bridge->corrector, now_ns);
     ss_corrector_force(&bridge->corrector, now_ns, pose->position, world);
-    ss_scale3(world, world, 1.0 - bridge->withheld);
+    if (bridge->withholding.share > 0.0) {
+        ss_scale3(world, world, 1.0 - bridge->withholding.share);
+        ss_corrector_withhold(&bridge->corrector, bridge->withholding.share);
+    }
     ss_frame_force_to_device(&bridge->frame, world, device);
     const bool is_contact =
         pose->force_seq >= 0 && (bridge->corrector.force.flags & SOFTSIM_FORCE_CONTACT) != 0;
@@ -240,6 +243,13 @@ static bool may_be_another(const ss_bridge *bridge, const softsim_force *force, 
            (int64_t)bridge->force_seq - force->seq > LATE_FORCES;
 }
 
+/* Those of another server are none of this one's; it is asked for its own. */
+static void forget_limits(ss_bridge *bridge)
+{
+    bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
+    bridge->wants_scene = true;
+}
+
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns)
 {
     ss_bridge *bridge = context;
@@ -248,8 +258,7 @@ void ss_bridge_take_force(void *context, const softsim_force *force, int64_t rec
     }
     if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
         if (may_be_another(bridge, force, receive_ns)) {
-            bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
-            bridge->wants_scene = true;
+            forget_limits(bridge);
         }
         bridge->force_seq = force->seq;
         bridge->heard_ns = receive_ns;
@@ -295,6 +304,7 @@ static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t ar
                    1e-9 * (double)(arrival_ns - bridge->start_ns),
                    1e-9 * (double)(arrival_ns - bridge->last_force_ns));
         summary->has_stopped = false;
+        summary->has_gap |= arrival_ns - bridge->last_force_ns >= long_ns;
     }
     bridge->last_force_ns = arrival_ns;
     ++summary->forces;
@@ -338,27 +348,35 @@ static void take_arrived(ss_bridge *bridge, int64_t now_ns)
     }
 }
 
-/* Lets go of the hand while two servers answer. */
-static void watch_servers(ss_bridge *bridge, const softsim_client *client)
+/* Keeps the force from the hand while it is not sure that one server answers, and which. */
+void ss_bridge_watch_servers(ss_bridge *bridge, const ss_speakers *heard, int64_t now_ns)
 {
-    const bool are_two = softsim_client_hears_two(client);
-    const double period_s = bridge->device.period_s;
-    const double change = are_two ? period_s / withhold_s : -period_s / take_up_s;
-    bridge->withheld = fmin(1.0, fmax(0.0, bridge->withheld + change));
-    if (bridge->config.program != NULL) {
-        ss_process_tell_two(bridge->config.program, "the force is let go", are_two);
+    ss_bridge_summary *summary = &bridge->summary;
+    if (heard->changes != bridge->withholding.before.changes) {
+        summary->changed_ns = summary->changed_ns == 0 ? now_ns : summary->changed_ns;
+        forget_limits(bridge);
     }
-    bridge->summary.has_withheld = bridge->summary.has_withheld || are_two;
+    ss_withholding_step(&bridge->withholding, heard, bridge->corrector.present > 0.0, now_ns,
+                        bridge->device.period_s);
+    if (bridge->config.program != NULL) {
+        ss_process_tell_two(bridge->config.program, "the force is let go", heard->are_two);
+    }
+    summary->has_withheld = summary->has_withheld || heard->are_two;
+}
+
+static ss_speakers read_speakers(const ss_bridge *bridge, const softsim_client *client)
+{
+    return (ss_speakers){.has_force = bridge->summary.forces > 0,
+                         .are_two = softsim_client_hears_two(client),
+                         .second = softsim_client_read_counts(client).second,
+                         .changes = softsim_client_server_changes(client)};
 }
 
 /* Another server is taken up, but said once, as soon as stderr takes it: the hand may stand deep in
  * a body that is elsewhere. */
-static void note_change(ss_bridge *bridge, const softsim_client *client, int64_t now_ns)
+static void tell_change(ss_bridge *bridge)
 {
-    ss_bridge_summary *summary = &bridge->summary;
-    if (summary->changed_ns == 0 && softsim_client_server_changes(client) > 0) {
-        summary->changed_ns = now_ns;
-    }
+    const ss_bridge_summary *summary = &bridge->summary;
     if (summary->changed_ns != 0 && !bridge->is_change_told) {
         bridge->is_change_told =
             tell(bridge,
@@ -426,6 +444,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
     int64_t tick_ns = softsim_client_now_ns();
     bridge->start_ns = tick_ns;
     bridge->is_served = true;
+    ss_withholding_begin(&bridge->withholding);
     for (;;) {
         if (!wait_for_tick(bridge, client, tick_ns)) {
             bridge->summary.is_complete = false;
@@ -434,8 +453,9 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
         }
         const int64_t now_ns = softsim_client_now_ns();
         take_arrived(bridge, now_ns);
-        watch_servers(bridge, client);
-        note_change(bridge, client, now_ns);
+        const ss_speakers heard = read_speakers(bridge, client);
+        ss_bridge_watch_servers(bridge, &heard, now_ns);
+        tell_change(bridge);
         if (bridge->wants_scene) {
             bridge->wants_scene = false;
             (void)softsim_client_send_command(client, "refresh", "");
@@ -483,4 +503,16 @@ void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t d
         }
         exert(bridge, now_ns, &pose);
     }
+}
+
+/* ---- summary ---- */
+
+void ss_bridge_print_peak(const ss_bridge_summary *summary, bool is_linear, FILE *out)
+{
+    const double in_mm = 1e3 * summary->peak_indentation_m;
+    fprintf(out, "peak force  %.6g N", summary->peak_force_n);
+    if (!is_linear && summary->peak_force_n > 0.0) {
+        fprintf(out, in_mm < 0.0 ? ", pulled %.3g mm" : " at %.3g mm of indentation", fabs(in_mm));
+    }
+    fputc('\n', out);
 }

@@ -13,9 +13,10 @@
  * meanwhile, which costs realism but never runs two periods on one force.
  * Forces that stay away for a quarter of a second have stopped, and stderr says so; the device's
  * have long faded by then (correct.h). A server that is started again, or another in its place, is
- * taken up, its force as it ramps it in; stderr says so, and the run is not of one body.
- * While two servers answer, the force goes to zero in 20 ms, and comes back in 500 ms when one is
- * left: no hand shall feel now one body, now the other.
+ * taken up, its force as it ramps it in; stderr says so, and the run is not of one body. One whose
+ * forces were away for a second is not all felt.
+ * The force is withheld until who answers has been alone for 40 ms, and while two servers answer
+ * (withhold.h). Limits are those of the server whose forces come: another's are forgotten.
  * Thread: one, main. Nothing is allocated while it runs; rows of the CSV go into a large buffer,
  * whose writing out once a second is the one thing that may cost a period.
  */
@@ -30,6 +31,7 @@
 #include "indentation.h"
 #include "output.h"
 #include "softsim/client.h"
+#include "withhold.h"
 
 typedef struct ss_bridge_config {
     int32_t probe;
@@ -55,6 +57,7 @@ typedef struct ss_bridge_summary {
     double other_s;     /* from the first of them to the first force after */
     bool was_inside;    /* the first forces were faded in: the hand began inside the tissue */
     bool has_stopped;   /* forces came, and were away at the end */
+    bool has_gap;       /* they were away for a second or longer, and came again */
     bool has_withheld;  /* two servers were heard */
     int64_t changed_ns; /* another server answers in the first one's place since; 0: none does */
     bool is_complete;   /* ran to its own end, or has none and was stopped */
@@ -89,7 +92,7 @@ typedef struct ss_bridge {
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
     bool is_change_told;
-    double withheld;               /* share of the force that is kept back: two servers answer */
+    ss_withholding withholding;
     ss_bus *poses_out, *forces_in; /* NULL without a server */
     ss_bridge_summary summary;
 } ss_bridge;
@@ -102,12 +105,17 @@ void ss_bridge_fini(ss_bridge *bridge);
 /* Callbacks of the client; `context` is the ss_bridge. */
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns);
 void ss_bridge_take_scene(void *context, const softsim_scene_report *scene);
+/* Once a period, behind what came in it. */
+void ss_bridge_watch_servers(ss_bridge *bridge, const ss_speakers *heard, int64_t now_ns);
 /* Runs in real time until the ticks are done, the device ends or a signal comes; false when LCM
  * failed. */
 bool ss_bridge_run(ss_bridge *bridge, softsim_client *client);
 /* Runs without LCM, as fast as possible, against F_z = max(0, -stiffness z) on the pose of
  * `delay_ticks` (0..1000) before, 0 until there is one. */
 void ss_bridge_run_linear(ss_bridge *bridge, double stiffness_n_per_m, int32_t delay_ticks);
+/* The line of the summary that tells the largest force and where: pressed in, or in a grasp pulled
+ * out. */
+void ss_bridge_print_peak(const ss_bridge_summary *summary, bool is_linear, FILE *out);
 /* The header line of the CSV, with its \n: without a server, and with the columns that a server
  * adds; and what each is, for --help. */
 extern const char ss_bridge_csv_header[];

@@ -68,6 +68,21 @@ static bool displacement(const ss_corrector *corrector, int64_t now_ns, const do
     return ss_norm3(out_moved) <= max_displacement_m;
 }
 
+/* Across the normal: what a normal force holds, at a coefficient of friction of 1, and has `share`
+ * of left, and what it does not. */
+static void correct_across(double held_n, double share, double stiffness, const double moved[3],
+                           double inout_force[3])
+{
+    const double size = ss_norm3(inout_force);
+    if (!(size > 0.0)) {
+        return;
+    }
+    const double held = fmin(size, held_n);
+    const double given = stiffness * fmax(0.0, ss_dot3(inout_force, moved) / size);
+    const double beyond = fmax(0.0, size - held - given);
+    ss_scale3(inout_force, inout_force, (held * share + beyond) / size);
+}
+
 /* The force at `moved` from where it was answered. */
 static void correct(const softsim_force *force, const double moved[3], double out_force[3])
 {
@@ -78,11 +93,24 @@ static void correct(const softsim_force *force, const double moved[3], double ou
         ss_madd3(out_force, force->force, -stiffness, moved);
     } else if (fabs(ss_norm3(n) - 1.0) < 1e-3 && normal_force > 0.0) {
         const double corrected = fmax(0.0, normal_force - stiffness * ss_dot3(n, moved));
-        const double share = fmin(1.0, corrected / normal_force);
-        ss_madd3(out_force, force->force, -normal_force, n); /* tangential part */
-        ss_scale3(out_force, out_force, share);
+        ss_madd3(out_force, force->force, -normal_force, n);
+        correct_across(normal_force, fmin(1.0, corrected / normal_force), stiffness, moved,
+                       out_force);
         ss_madd3(out_force, out_force, corrected, n);
     }
+}
+
+/* What a grasp held is corrected otherwise as soon as the grasp has ended: what that changes comes
+ * in give_back_s. */
+static void soften_end(ss_corrector *corrector, double elapsed_s, double force[3])
+{
+    const bool is_grasping = (corrector->force.flags & SOFTSIM_FORCE_GRASPING) != 0;
+    if (corrector->was_grasping && !is_grasping) {
+        ss_sub3(corrector->left, corrector->undamped, force);
+    }
+    corrector->was_grasping = is_grasping;
+    ss_scale3(corrector->left, corrector->left, exp(-elapsed_s / give_back_s));
+    ss_add3(force, force, corrector->left);
 }
 
 /* What the hand did under the force exerted since the last call, `elapsed_s` ago. */
@@ -174,6 +202,9 @@ void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double po
     ss_copy3(out_force, corrector->force.force);
     if (displacement(corrector, now_ns, position, moved)) {
         correct(&corrector->force, moved, out_force);
+    }
+    if (corrector->is_enabled) {
+        soften_end(corrector, elapsed_s, out_force);
         (void)ss_clamp_norm3(out_force,
                              fmax(ss_norm3(corrector->force.force), corrector->limits.force_n));
     }
@@ -192,4 +223,12 @@ void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double po
     corrector->exerted_ns = now_ns;
     ss_copy3(corrector->exerted, out_force);
     ss_copy3(corrector->exerted_at, position);
+}
+
+void ss_corrector_withhold(ss_corrector *corrector, double share)
+{
+    ss_scale3(corrector->exerted, corrector->exerted, 1.0 - share);
+    if (share >= 1.0) {
+        ss_set3(corrector->undamped, 0.0, 0.0, 0.0);
+    }
 }

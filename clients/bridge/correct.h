@@ -7,14 +7,19 @@
  * A force F answers a pose x_a that is old by the trip there and back. Along the tissue's normal n
  * the felt stiffness S says how it changes with position, so at the present position x
  *
- *   F_device = n c + min(1, c / n.F) (F - n (n.F)),   c = max(0, n.F - S n.(x - x_a))
+ *   F_device = n c + t (h min(1, c / n.F) + max(0, |F_t| - h - S max(0, t.(x - x_a)))),
+ *   c = max(0, n.F - S n.(x - x_a)),   F_t = F - n (n.F) = |F_t| t,   h = min(|F_t|, n.F)
  *
- * (what lies across goes with what it lies on: kept whole it turned the force by 146 degrees in a
- * tick as a tap left), which leaves a fifth of the energy that the delay would hand to the hand,
- * and holds 6 to 8 times the stiffness. A grasp holds the tool all ways and may pull: while the
- * force says so,
+ * which leaves a fifth of the energy that the delay would hand to the hand, and holds 6 to 8 times
+ * the stiffness. Of what lies across, h goes with what it lies on (kept whole it turned the force
+ * by 146 degrees in a tick as a tap left); the rest no friction holds: a grasp that was let go
+ * fades, with a normal force of nearly nothing (all of it went with that: 1.6 N, 0 and 1.5 in three
+ * ticks). A grasp holds the tool all ways and may pull: while the force says so,
  *
  *   F_device = F - S (x - x_a)
+ *
+ * and what that differs by from the law above when it ends goes in 20 ms (a hand that let go as it
+ * left at .37 m/s behind 10 ms had 1.4 N and 3.4 in the next tick).
  *
  * No correction where S = 0, n.F <= 0 without a grasp, |x - x_a| > 15 mm, the pose is older than
  * 50 ms, or any of it makes no sense: there the linear law no longer speaks of the present. (With 5
@@ -86,7 +91,8 @@ typedef struct ss_corrector {
     softsim_force force; /* in effect */
     int64_t received_ns;
     /* state: the contact's energy */
-    bool has_exerted, is_touching;
+    bool has_exerted, is_touching, was_grasping;
+    double left[3];     /* N, of the grasp that ended */
     bool is_let_in;     /* the force is ramping, */
     bool is_owed;       /* or was, and what the contact stored meanwhile is not counted yet */
     double taken;       /* share of the force, by damping */
@@ -114,5 +120,8 @@ void ss_corrector_take_force(ss_corrector *corrector, const softsim_force *force
 /* What to exert at `position` from now on. Zero before the first force. */
 void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double position[3],
                         double out_force[3]);
+/* Of the force that was told last, only the rest of `share` is exerted: the hand gave no more for
+ * it; and where that is nothing, the next begins at zero, whatever this one was. */
+void ss_corrector_withhold(ss_corrector *corrector, double share);
 /* seq of the force in effect, -1 when there is none (yet, or any more). */
 int32_t ss_corrector_force_seq(const ss_corrector *corrector, int64_t now_ns);

@@ -22,6 +22,7 @@
 #include "tissue.h"
 
 enum { DEFAULT_TICKS = 2000, MAX_OPTIONS = 64, MAX_NAMES = 256 };
+static const double HEARD_S = 2.0; /* a server that runs has said something */
 
 typedef struct options {
     const char *lcm_url, *prefix, *csv, *axes, *offset;
@@ -175,6 +176,14 @@ static void find_towards(const ss_frame *frame, double out[3])
     ss_normalize3(out);
 }
 
+/* For a server to say anything before the start: not longer than the run itself is to be, but that
+ * one which runs answers within 2 s. */
+static double start_patience_s(const options *o)
+{
+    return o->duration_s > 0.0 ? fmin(fmax(o->duration_s, HEARD_S), SS_TISSUE_START_S)
+                               : SS_TISSUE_START_S;
+}
+
 /* Puts the device's origin where the tool just touches. False with the reason. */
 static bool place_above(const char *program, const options *o, ss_frame *frame,
                         softsim_error *error)
@@ -183,7 +192,7 @@ static bool place_above(const char *program, const options *o, ss_frame *frame,
     ss_tissue tissue;
     ss_touch touch;
     double towards[3];
-    if (!ss_tissue_hear(&config, (int32_t)o->probe, &tissue, error)) {
+    if (!ss_tissue_hear(&config, (int32_t)o->probe, start_patience_s(o), &tissue, error)) {
         return false;
     }
     find_towards(frame, towards);
@@ -212,7 +221,7 @@ static void tell_miss(const char *program, const softsim_client_config *config, 
     ss_tissue tissue;
     softsim_error error = {.status = SOFTSIM_OK};
     double least = INFINITY, place[3] = {0}, nearest[3], on[3] = {0};
-    if (!ss_tissue_hear(config, probe, &tissue, &error)) {
+    if (!ss_tissue_hear(config, probe, HEARD_S, &tissue, &error)) {
         fprintf(stderr, "%s: the tool has touched nothing, and how far it was cannot be told\n",
                 program);
         return;
@@ -250,19 +259,15 @@ static void report(const ss_bridge_summary *s, bool is_linear)
                s->latency_sum_us / (s->answered > 0 ? (double)s->answered : 1.0),
                s->max_latency_us);
     }
-    printf("peak force  %.6g N", s->peak_force_n);
-    if (!is_linear && s->peak_force_n > 0.0) {
-        printf(" at %.3g mm of indentation", 1e3 * s->peak_indentation_m);
-    }
-    printf("\n");
+    ss_bridge_print_peak(s, is_linear, stdout);
     printf("contact     %.1f %% of the time\n", 100.0 * (double)s->contact_ticks / ticks);
     printf("energy in   %.6g J\n", s->energy_in_j);
 }
 
-/* Were all forces one server's? */
-static bool is_of_one(const ss_bridge_summary *summary)
+/* Were all forces one server's, and never away for long? */
+static bool is_whole(const ss_bridge_summary *summary)
 {
-    return !summary->has_withheld && summary->changed_ns == 0;
+    return !summary->has_withheld && summary->changed_ns == 0 && !summary->has_gap;
 }
 
 /* Runs the bridge in real time. An exit status. */
@@ -302,11 +307,10 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
         tell_miss(program, &config, (int32_t)o->probe, &bridge->summary);
     }
     const ss_bridge_summary *s = &bridge->summary;
-    return is_good && s->forces > 0 && !s->has_stopped && is_of_one(s) ? EXIT_SUCCESS
-                                                                       : EXIT_FAILURE;
+    return is_good && s->forces > 0 && !s->has_stopped && is_whole(s) ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-/* A recording has its own name only when it is complete, and of one server. */
+/* A recording has its own name only when it is complete, of one server, without a gap. */
 static bool finish_csv(const char *program, const ss_bridge_summary *summary, ss_output *csv,
                        softsim_error *error)
 {
@@ -314,7 +318,7 @@ static bool finish_csv(const char *program, const ss_bridge_summary *summary, ss
         fprintf(stderr, "%s: ended before its time, after %" PRId64 " ticks\n", program,
                 summary->ticks);
     }
-    if (!summary->is_complete || !is_of_one(summary)) {
+    if (!summary->is_complete || !is_whole(summary)) {
         ss_output_keep(csv, error);
     } else {
         ss_output_commit(csv, error);

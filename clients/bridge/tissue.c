@@ -3,6 +3,7 @@
 #include "tissue.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,8 +12,6 @@
 
 /* A server publishes both every 2 s and on demand; a large body a piece at a time, for seconds. */
 static const int64_t patience_ns = 3000000000, ask_again_ns = 500000000;
-/* One that was started just before may still be loading its scene. */
-static const int64_t start_patience_ns = 10000000000;
 static const int64_t longest_ns = 60000000000; /* though pieces come */
 
 typedef struct heard {
@@ -101,7 +100,8 @@ static bool is_enough(const heard *h)
                             (h->body.is_complete && h->body.topology == h->topology));
 }
 
-static bool listen(const softsim_client_config *config, heard *h, softsim_error *error)
+static bool listen(const softsim_client_config *config, double start_s, heard *h,
+                   softsim_error *error)
 {
     const softsim_client_config listening = {.lcm_url = config->lcm_url,
                                              .prefix = config->prefix,
@@ -114,12 +114,11 @@ static bool listen(const softsim_client_config *config, heard *h, softsim_error 
         return false;
     }
     int64_t now_ns = softsim_client_now_ns(), ask_ns = now_ns;
-    const int64_t end_ns = now_ns + longest_ns;
+    const int64_t end_ns = now_ns + longest_ns, start_ns = (int64_t)(1e9 * start_s);
     h->last_ns = now_ns;
     bool is_good = true;
     while (is_good && !is_enough(h) && !ss_process_is_stopped() && now_ns < end_ns &&
-           now_ns - h->last_ns <
-               (h->has_status || h->has_scene ? patience_ns : start_patience_ns)) {
+           now_ns - h->last_ns < (h->has_status || h->has_scene ? patience_ns : start_ns)) {
         if (now_ns >= ask_ns) {
             softsim_client_send_command(client, "refresh", "");
             ask_ns = now_ns + ask_again_ns;
@@ -154,8 +153,8 @@ static bool copy_body(const ss_body_view *from, ss_tissue *to)
     return true;
 }
 
-bool ss_tissue_hear(const softsim_client_config *config, int32_t probe, ss_tissue *out,
-                    softsim_error *error)
+bool ss_tissue_hear(const softsim_client_config *config, int32_t probe, double start_s,
+                    ss_tissue *out, softsim_error *error)
 {
     static const char *const names[] = {
 #define X(name, value, text) [value] = (text),
@@ -164,12 +163,16 @@ bool ss_tissue_hear(const softsim_client_config *config, int32_t probe, ss_tissu
     };
     heard h = {.probe = probe, .body.newest = -1};
     *out = (ss_tissue){0};
-    if (!listen(config, &h, error)) {
+    char unheard[128];
+    if (!listen(config, start_s, &h, error)) {
         return false;
     }
     const char *why = NULL;
     if (!h.has_scene && !h.has_status) {
-        why = "no server was heard; is softsimd running, with this prefix and LCM url?";
+        snprintf(unheard, sizeof unheard,
+                 "no server was heard in %g s; is softsimd running, with this prefix and LCM url?",
+                 start_s);
+        why = ss_process_is_stopped() ? "stopped before a server was heard" : unheard;
     } else if (!h.has_scene) {
         why = "the server has not told its scene; try again, or give --offset-m X,Y,Z";
     } else if (h.form == SOFTSIM_TOOL_NONE) {

@@ -16,8 +16,12 @@ typedef struct ss_tissue {
     const char *tool;   /* "sphere" */
 } ss_tissue;
 
-/* Asks for both and listens, some seconds at most. False with why: no server, one without a mesh,
- * without that tool. Of `config` only lcm_url and prefix are read. */
-bool ss_tissue_hear(const softsim_client_config *config, int32_t probe, ss_tissue *out,
-                    softsim_error *error);
+/* One that was started just before may still be loading its scene. */
+#define SS_TISSUE_START_S 10.0
+
+/* Asks for both and listens: `start_s` until a server says anything, then some seconds at most.
+ * False with why: no server, one without a mesh, without that tool. Of `config` only lcm_url and
+ * prefix are read. */
+bool ss_tissue_hear(const softsim_client_config *config, int32_t probe, double start_s,
+                    ss_tissue *out, softsim_error *error);
 void ss_tissue_free(ss_tissue *tissue);

@@ -13,8 +13,8 @@ struct softsim_log_writer {
     int64_t number; /* of the next record */
 };
 
-softsim_status softsim_log_create(const char *path, softsim_log_writer **out_writer,
-                                  softsim_error *error)
+static softsim_status create(const char *path, bool is_new, softsim_log_writer **out_writer,
+                             softsim_error *error)
 {
     *out_writer = NULL;
     softsim_log_writer *writer = calloc(1, sizeof *writer);
@@ -22,13 +22,26 @@ softsim_status softsim_log_create(const char *path, softsim_log_writer **out_wri
         softsim_error_add(error, SOFTSIM_ERROR_MEMORY, "%s: out of memory", path);
         return SOFTSIM_ERROR_MEMORY;
     }
-    const softsim_status status = ss_output_record(&writer->output, path, error);
-    if (status != SOFTSIM_OK) {
+    const softsim_status status =
+        (is_new ? ss_output_record_new : ss_output_record)(&writer->output, path, error);
+    if (status != SOFTSIM_OK || writer->output.file == NULL) {
         free(writer);
         return status;
     }
     *out_writer = writer;
     return SOFTSIM_OK;
+}
+
+softsim_status softsim_log_create(const char *path, softsim_log_writer **out_writer,
+                                  softsim_error *error)
+{
+    return create(path, false, out_writer, error);
+}
+
+softsim_status softsim_log_create_new(const char *path, softsim_log_writer **out_writer,
+                                      softsim_error *error)
+{
+    return create(path, true, out_writer, error);
 }
 
 static uint8_t *put_big(uint8_t *at, uint64_t value, int count)

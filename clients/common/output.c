@@ -184,7 +184,29 @@ static int open_part(ss_output *output, const char **out_why)
     return *out_why == NULL ? part : -1;
 }
 
-softsim_status ss_output_record(ss_output *output, const char *path, softsim_error *error)
+/* The same where neither name is there yet; -1 without a reason: one is. Who records to NAME holds
+ * NAME.part from before it looks for NAME until it has renamed, so that no two take one name. */
+static int open_new_part(const ss_output *output, const char **out_why)
+{
+    struct stat found;
+    const int made = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    *out_why = made < 0 && errno != EEXIST ? ss_files_reason(errno) : NULL;
+    if (made < 0) {
+        return -1;
+    }
+    if (flock(made, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        close(made); /* to who asked for this very name */
+        return -1;
+    }
+    if (lstat(output->path, &found) == 0) {
+        unlink(output->temporary);
+        close(made);
+        return -1;
+    }
+    return made;
+}
+
+static softsim_status record(ss_output *output, const char *path, bool is_new, softsim_error *error)
 {
     int descriptor = -1;
     const char *why = NULL;
@@ -197,8 +219,14 @@ softsim_status ss_output_record(ss_output *output, const char *path, softsim_err
     if (output->buffer == NULL || output->row_end == NULL) {
         return fail_open(output, SOFTSIM_ERROR_MEMORY, path, "out of memory", error);
     }
-    output->descriptor =
-        output->temporary != NULL ? open_part(output, &why) : open_place(path, descriptor);
+    output->is_new = is_new && output->temporary != NULL;
+    output->descriptor = output->is_new              ? open_new_part(output, &why)
+                         : output->temporary != NULL ? open_part(output, &why)
+                                                     : open_place(path, descriptor);
+    if (output->is_new && output->descriptor < 0 && why == NULL) {
+        forget(output);
+        return SOFTSIM_OK;
+    }
     output->file = output->descriptor >= 0 ? fdopen(output->descriptor, "wb") : NULL;
     if (output->file == NULL) {
         const int number = errno;
@@ -215,6 +243,16 @@ softsim_status ss_output_record(ss_output *output, const char *path, softsim_err
     setvbuf(output->file, output->buffer, _IOFBF, RECORDING_BUFFER);
     output->flushed_ns = ss_clock_now_ns();
     return SOFTSIM_OK;
+}
+
+softsim_status ss_output_record(ss_output *output, const char *path, softsim_error *error)
+{
+    return record(output, path, false, error);
+}
+
+softsim_status ss_output_record_new(ss_output *output, const char *path, softsim_error *error)
+{
+    return record(output, path, true, error);
 }
 
 void ss_output_tell_kept(const char *kept, const char *part, const char *program)
@@ -291,6 +329,21 @@ static void cut_back(ss_output *output)
     fclose(output->file);
 }
 
+/* Gives what was written its name; false with errno set. */
+static bool give_name(const ss_output *output)
+{
+    struct stat found;
+    if (!output->is_new) {
+        return rename(output->temporary, output->path) == 0;
+    }
+    if (rename_to_free(output->temporary, output->path)) {
+        return true;
+    }
+    /* Some file systems know no links either. */
+    return errno != EEXIST && lstat(output->path, &found) != 0 &&
+           rename(output->temporary, output->path) == 0;
+}
+
 softsim_status ss_output_commit(ss_output *output, softsim_error *error)
 {
     if (output->file == NULL) {
@@ -302,7 +355,7 @@ softsim_status ss_output_commit(ss_output *output, softsim_error *error)
     } else {
         /* While it is held: after the close the name may stand for another program's recording. */
         if (is_good && output->temporary != NULL) {
-            is_good = rename(output->temporary, output->path) == 0;
+            is_good = give_name(output);
             output->reason = is_good ? 0 : errno;
         }
         is_good = fclose(output->file) == 0 && is_good;

@@ -36,6 +36,7 @@ typedef struct ss_output {
 
     /* of a recording */
     bool is_recording;
+    bool is_new;         /* takes the place of no other file */
     char *kept;          /* what NAME.part was renamed to; NULL: there was none */
     char *buffer;        /* of `file`; given, because glibc ignores a size without one */
     int64_t whole_bytes; /* up to the end of the last flush */
@@ -52,6 +53,10 @@ softsim_status ss_output_open(ss_output *output, const char *path, softsim_error
 softsim_status ss_output_reserve(ss_output *output, int64_t bytes, softsim_error *error);
 /* A recording, the same way. */
 softsim_status ss_output_record(ss_output *output, const char *path, softsim_error *error);
+/* The same under a name that no user gave: what is there stays, also when it came while this was
+ * recorded, which the commit then tells. SOFTSIM_OK and not open: the name, or its NAME.part, is
+ * taken. */
+softsim_status ss_output_record_new(ss_output *output, const char *path, softsim_error *error);
 /* After each row of a recording: flushes when a second has passed or much has gathered. False once
  * a write has failed: nothing more can be recorded. True when not open. */
 bool ss_output_pace(ss_output *output);

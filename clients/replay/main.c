@@ -49,7 +49,8 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         SS_TEXT("--csv", &o->csv, "OUT.csv", ss_replay_csv_help),
         SS_TEXT("--record", &o->record, "OUT.lcmlog",
                 "event log of the poses sent and the forces received; like --csv written to\n"
-                "OUT.part once a second, and OUT at the end of a replay that exits 0"),
+                "OUT.part once a second, and OUT at the end of a replay that exits 0: one\n"
+                "server felt the whole log, and nothing else moved its time"),
         SS_FLAG("--convert", &o->is_convert,
                 "write the poses as an event log instead of playing them"),
         SS_ARG_BUS(&o->lcm_url, &o->prefix),
@@ -240,6 +241,9 @@ static void tell_result(const char *program, const options *o, const ss_replay *
     } else if (result == SS_REPLAY_STOPPED) {
         fprintf(stderr, "%s: stopped after %" PRId64 " of %" PRId64 " poses\n", program,
                 replay->statistics.poses, found->poses * o->repeat);
+    } else if (result == SS_REPLAY_HELD) {
+        fprintf(stderr, "%s: another sender still holds probe %" PRId32 ": nothing was played\n",
+                program, ss_claim_held(&replay->claim));
     } else if (result == SS_REPLAY_BROKEN) {
         fprintf(stderr, "%s: LCM failed\n", program);
     }
@@ -255,9 +259,24 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 ": its body has felt nothing of the poses before; play them again\n",
                 program, replay->changed_seq);
     }
-    if (replay->lost_seq > 0) {
-        fprintf(stderr, "%s: another sender holds probe %" PRId32 " since pose %" PRId32 "\n",
-                program, replay->lost_probe, replay->lost_seq);
+    if (replay->refused_seq > 0) {
+        fprintf(stderr,
+                "%s: another sender held probe %" PRId32 " at pose %" PRId32
+                ": what was refused is not felt; play the log again\n",
+                program, replay->refused_probe, replay->refused_seq);
+    }
+    if (replay->gap_seq > 0) {
+        fprintf(stderr,
+                "%s: no answer for %.1f s from pose %" PRId32
+                " on (%.3f s of the log): what was sent meanwhile is not felt; play it again\n",
+                program, replay->gap_s, replay->gap_seq, 1e-6 * (double)replay->gap_us);
+    }
+    if (replay->statistics.other_ticks > 0) {
+        fprintf(
+            stderr,
+            "%s: poses of other senders made %" PRId64
+            " ticks meanwhile: the forces are not the log's alone; play it again without them\n",
+            program, replay->statistics.other_ticks);
     }
     const bool is_cut = result == SS_REPLAY_DONE && ss_replay_ended_unanswered(replay);
     if (is_cut) {
@@ -266,7 +285,8 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 program, replay->felt_seq, 1e-6 * (double)replay->felt_us,
                 1e-6 * (double)replay->played_us);
     }
-    return replay->changed_seq > 0 || replay->lost_seq > 0 || is_cut;
+    return replay->changed_seq > 0 || replay->refused_seq > 0 || replay->gap_seq > 0 ||
+           replay->statistics.other_ticks > 0 || is_cut;
 }
 
 /* Plays, reports, closes. */
@@ -282,7 +302,9 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     const softsim_client_config config = {.lcm_url = o->lcm_url,
                                           .prefix = o->prefix,
                                           .context = &replay,
-                                          .handle_force = ss_replay_take_force};
+                                          .handle_force = ss_replay_take_force,
+                                          .handle_status =
+                                              o->is_lockstep ? ss_replay_take_status : NULL};
     if (!o->is_lockstep) {
         ss_process_raise_priority(); /* better pacing; does without where it is not allowed */
     }
@@ -308,9 +330,7 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     const bool is_written = finish_files(program, &replay, is_good);
     report(&replay, found);
     softsim_client_close(&replay.client);
-    if (result == SS_REPLAY_DONE && !is_answered && replay.statistics.other_sender > 0) {
-        fprintf(stderr, "%s: no answer came: another sender holds the probe\n", program);
-    } else if (result == SS_REPLAY_DONE && !is_answered) {
+    if (result == SS_REPLAY_DONE && !is_answered && replay.refused_seq == 0) {
         ss_silence_explain(program, &config, -1, "no answer came");
     }
     return is_good && is_written ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -13,6 +13,7 @@ static const int64_t silence_ns = 5000000000; /* without an answer: failure */
 static const int64_t resend_ns = 100000000;   /* lockstep: the pose or its answer was lost */
 static const int64_t drain_ns = 500000000;    /* for the last answers */
 static const int64_t recent_us = 500000;      /* of the log: answered to its end */
+static const double long_s = 1.0;             /* without an answer, while poses were sent */
 /* Between two looks at the clock: what is longer, the machine held this program back, and an answer
  * may lie unread; it is counted as so much. */
 static const int64_t look_ns = 100000000;
@@ -104,20 +105,35 @@ static const double *sent_position(const ss_replay *replay, int32_t seq)
     return is_remembered(replay, seq) ? replay->sent_position[seq % SS_REPLAY_SENT] : unknown;
 }
 
-/* Whose the probe is, as the first answer to a pose says. */
-static void note_holder(ss_replay *replay, const softsim_force *force)
+/* The newest pose that a force of this sender answers, and where in the log it is. */
+static void note_felt(ss_replay *replay, int32_t seq)
 {
-    if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
-        replay->is_holding[force->probe] = true;
-        if (force->pose_seq > replay->felt_seq) {
-            replay->felt_seq = force->pose_seq;
-            if (is_remembered(replay, force->pose_seq)) {
-                replay->felt_us = replay->sent_us[force->pose_seq % SS_REPLAY_SENT];
-            }
-        }
-    } else if (replay->is_holding[force->probe] && replay->lost_seq == 0) {
-        replay->lost_seq = force->pose_seq;
-        replay->lost_probe = force->probe;
+    replay->felt_seq = seq;
+    if (is_remembered(replay, seq)) {
+        replay->felt_us = replay->sent_us[seq % SS_REPLAY_SENT];
+    }
+}
+
+static void note_refused(ss_replay *replay, const softsim_force *force)
+{
+    ++replay->statistics.other_sender;
+    if (replay->refused_seq == 0) {
+        replay->refused_seq = force->pose_seq;
+        replay->refused_probe = force->probe;
+    }
+}
+
+/* An answer is here: was there none for long, by the clock and by the log? The clock alone counts
+ * a pause of the log, the log alone what a program that was held back sends at once. */
+static void note_gap(ss_replay *replay)
+{
+    const double waited_s = 1e-9 * (double)replay->silent_ns;
+    const double sent_s = 1e-6 * (double)(replay->played_us - replay->asked_us) / replay->speed;
+    if (replay->is_asking && !replay->is_lockstep && replay->gap_seq == 0 &&
+        fmin(waited_s, sent_s) >= long_s) {
+        replay->gap_seq = replay->asked_seq;
+        replay->gap_us = replay->asked_us;
+        replay->gap_s = waited_s;
     }
 }
 
@@ -129,6 +145,10 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     int32_t *answered = &replay->answered_seq[force->probe];
     const bool is_first =
         force->pose_seq > *answered && force->pose_seq <= replay->sent_seq[force->probe];
+    if (ss_claim_take_answer(&replay->claim, force)) {
+        return;
+    }
+    note_gap(replay);
     replay->is_asking = false;
     if (replay->changed_seq == 0 && softsim_client_server_changes(replay->client) > 0) {
         replay->changed_seq = force->pose_seq;
@@ -151,10 +171,13 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
         *answered = force->pose_seq;
         ++statistics->answered;
         count_latency(statistics, latency_us);
-        note_holder(replay, force);
     }
     ++statistics->forces;
-    statistics->other_sender += (force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0;
+    if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0) {
+        note_refused(replay, force);
+    } else if (is_first && force->pose_seq > replay->felt_seq) {
+        note_felt(replay, force->pose_seq);
+    }
     statistics->peak_force_n = fmax(statistics->peak_force_n, ss_norm3(force->force));
     if (replay->csv.file != NULL && replay->csv.reason == 0) {
         write_row(replay->csv.file, force, latency_us,
@@ -164,6 +187,12 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
             tell_lost(replay, replay->csv.path);
         }
     }
+}
+
+void ss_replay_take_status(void *context, const softsim_server_status *status, int64_t receive_ns)
+{
+    (void)receive_ns;
+    ss_ticks_take_status(&((ss_replay *)context)->ticks, status);
 }
 
 /* ---- sending ---- */
@@ -179,6 +208,8 @@ static void send_pose(ss_replay *replay, softsim_pose_event *event, int64_t log_
     ss_copy3(replay->sent_position[replay->seq % SS_REPLAY_SENT], event->pose.position);
     if (!replay->is_asking) {
         replay->is_asking = true;
+        replay->asked_seq = replay->seq;
+        replay->asked_us = log_us;
         replay->silent_ns = 0;
         replay->looked_ns = softsim_client_now_ns();
     }
@@ -268,7 +299,16 @@ static ss_replay_result drain(ss_replay *replay)
     return result == SS_REPLAY_SILENT ? SS_REPLAY_DONE : result; /* all is played */
 }
 
-ss_replay_result ss_replay_run(ss_replay *replay)
+/* What a wait that went on, or did not, means. */
+static ss_replay_result result_of(bool is_connected)
+{
+    return !is_connected             ? SS_REPLAY_BROKEN
+           : ss_process_is_stopped() ? SS_REPLAY_STOPPED
+                                     : SS_REPLAY_DONE;
+}
+
+/* Plays the whole log so many times. */
+static ss_replay_result play(ss_replay *replay)
 {
     const int64_t start_ns = softsim_client_now_ns();
     ss_replay_result result = SS_REPLAY_DONE;
@@ -300,5 +340,35 @@ ss_replay_result ss_replay_run(ss_replay *replay)
         }
         turn_us = last_us + replay->repeat_gap_us;
     }
-    return result == SS_REPLAY_DONE && !replay->is_lockstep ? drain(replay) : result;
+    return result;
+}
+
+static ss_replay_result play_in_lockstep(ss_replay *replay)
+{
+    ss_ticks *ticks = &replay->ticks;
+    ss_replay_result result = result_of(ss_ticks_ask(ticks, replay->client));
+    const bool is_counted = ticks->statuses > 0;
+    const int64_t before = ticks->count;
+    result = result == SS_REPLAY_DONE ? play(replay) : result;
+    if (result == SS_REPLAY_DONE && is_counted) {
+        result = result_of(ss_ticks_ask(ticks, replay->client));
+        replay->statistics.other_ticks = ticks->count - before - replay->statistics.poses;
+    }
+    return result;
+}
+
+static ss_replay_result play_paced(ss_replay *replay)
+{
+    ss_replay_result result =
+        result_of(ss_claim_wait(&replay->claim, replay->client, replay->poses, replay->speed));
+    if (result == SS_REPLAY_DONE && ss_claim_held(&replay->claim) >= 0) {
+        return SS_REPLAY_HELD;
+    }
+    result = result == SS_REPLAY_DONE ? play(replay) : result;
+    return result == SS_REPLAY_DONE ? drain(replay) : result;
+}
+
+ss_replay_result ss_replay_run(ss_replay *replay)
+{
+    return replay->is_lockstep ? play_in_lockstep(replay) : play_paced(replay);
 }

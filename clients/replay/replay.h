@@ -12,15 +12,21 @@
  * log so far. A lockstep replay, whose forces are a result, ends there, before the first of them;
  * a paced one is played on to it. At the end of a paced one, when no answer is of the last half
  * second of the log, a server that is only late is waited for, as long as anywhere in the log.
+ *
+ * What else makes the forces others than those of the log is noted, and played on: poses refused
+ * since another sender holds the probe, which a paced replay waits for before it begins (claim.h);
+ * a second of a paced one without an answer; in lockstep, ticks that others' poses made (ticks.h).
  * Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "claim.h"
 #include "indentation.h"
 #include "output.h"
 #include "softsim/client.h"
 #include "softsim/log.h"
+#include "ticks.h"
 
 /* Latencies are counted in buckets of 1 us up to here; longer ones in the last. */
 enum { SS_REPLAY_BUCKETS = 100 * 1000, SS_REPLAY_SENT = 4096 };
@@ -32,6 +38,7 @@ typedef struct ss_replay_statistics {
     int64_t resent;
     int64_t duplicates;   /* second answers in lockstep, not kept */
     int64_t other_sender; /* forces that say that another sender holds the probe */
+    int64_t other_ticks;  /* of a lockstep server's world, made by the poses of others */
     double peak_force_n;
     int64_t latency_count, max_latency_us; /* of the first answer to each pose */
     uint32_t latency[SS_REPLAY_BUCKETS];
@@ -55,14 +62,20 @@ typedef struct ss_replay {
     int64_t played_us;                       /* that of the last pose sent */
     int32_t felt_seq;                        /* the newest that this sender's force answers */
     int64_t felt_us;                         /* its time in the log */
-    bool is_holding[SOFTSIM_MAX_PROBES];     /* such a force came, by channel */
-    int32_t lost_seq, lost_probe; /* the first then refused for another sender; 0: none */
-    int32_t changed_seq;          /* the first that another server answers; 0: none */
-    bool has_told_lost;           /* that a recording could not be written on */
-    int32_t seq;                  /* of the last pose sent */
+    ss_claim claim;
+    ss_ticks ticks;
+    int32_t refused_seq, refused_probe; /* the first refused for another sender; 0: none */
+    int32_t gap_seq;     /* the first of those that went without an answer for long; 0: none */
+    int64_t gap_us;      /* its time in the log, */
+    double gap_s;        /* and how long */
+    int32_t changed_seq; /* the first that another server answers; 0: none */
+    bool has_told_lost;  /* that a recording could not be written on */
+    int32_t seq;         /* of the last pose sent */
     int32_t answered_seq[SOFTSIM_MAX_PROBES]; /* the newest answered, by channel */
     int32_t sent_seq[SOFTSIM_MAX_PROBES];     /* the last sent, by channel */
     bool is_asking;                           /* a pose was sent since the last answer */
+    int32_t asked_seq;                        /* the first of those, */
+    int64_t asked_us;                         /* and its time in the log */
     int64_t silent_ns, looked_ns; /* waited for one since then; last look at the clock */
     bool has_heard_two;           /* servers; the first one's answers are kept */
     ss_replay_statistics statistics;
@@ -73,11 +86,13 @@ typedef enum ss_replay_result {
     SS_REPLAY_STOPPED, /* by a signal */
     SS_REPLAY_SILENT,  /* 5 s without an answer */
     SS_REPLAY_CHANGED, /* lockstep: another server answers */
+    SS_REPLAY_HELD,    /* another sender did not let go of a probe: nothing was played */
     SS_REPLAY_BROKEN   /* LCM failed */
 } ss_replay_result;
 
-/* Callback of the client; `context` is the ss_replay. */
+/* Callbacks of the client; `context` is the ss_replay. Of statuses, for lockstep. */
 void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns);
+void ss_replay_take_status(void *context, const softsim_server_status *status, int64_t receive_ns);
 /* Plays; the parameters and `client` are set, the rest is zero. */
 ss_replay_result ss_replay_run(ss_replay *replay);
 /* Did the answers end over half a second of the log before it did, and not for lateness? For who

@@ -19,8 +19,9 @@
 
 enum {
     NAME_SIZE = 64,
-    PERIOD_MS = 20, /* of looking into the ring */
-    OVERHEAD = 28   /* bytes of a record beside its channel and data */
+    MAX_TRIES = 1000, /* names of one second that others have taken */
+    PERIOD_MS = 20,   /* of looking into the ring */
+    OVERHEAD = 28     /* bytes of a record beside its channel and data */
 };
 
 /* In front of each message in the ring; its channel, with the NUL, and its data follow. */
@@ -53,6 +54,7 @@ struct ss_recorder {
     /* recorder's thread */
     softsim_log_writer *log;
     int64_t recorded, in_all; /* bytes */
+    int32_t number;           /* in the name of the last one */
     bool is_full;             /* all together are as large as they may be */
     uint64_t told_lost;
     softsim_error unfinished; /* one fault a recording; read at the close */
@@ -246,8 +248,8 @@ static void drain(ss_recorder *recorder)
     }
 }
 
-/* A place for one more; NULL: `fault` says why not. */
-static recording *name_next(ss_recorder *recorder, char *fault, size_t size)
+/* Is there a place for one more? If not, `fault` says why. */
+static bool has_place(const ss_recorder *recorder, char *fault, size_t size)
 {
     const ss_recorder_config *config = &recorder->config;
     if (recorder->is_full) {
@@ -255,38 +257,51 @@ static recording *name_next(ss_recorder *recorder, char *fault, size_t size)
                  "the recordings of this run are as large as they may be, %.3g GB in all: fetch "
                  "what you need and restart softsim-web",
                  gigabytes(config->most_in_all));
-        return NULL;
-    }
-    if (recorder->count == config->most_files) {
+    } else if (recorder->count == config->most_files) {
         snprintf(fault, size, "%d recordings are enough for one run: restart softsim-web",
                  config->most_files);
-        return NULL;
     }
+    return fault[0] == '\0';
+}
+
+/* Opens the log of the next recording under the next name that is free: the stamp is also that of
+ * who records to the same folder in this second, or did before the clock was set back. */
+static bool open_next(ss_recorder *recorder, char *fault, size_t size)
+{
     recording *next = &recorder->recordings[recorder->count];
+    softsim_error error = {.status = SOFTSIM_OK};
     const time_t now = time(NULL);
     struct tm parts;
     char stamp[32] = "";
     gmtime_r(&now, &parts);
     strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &parts);
-    snprintf(next->name, sizeof next->name, "softsim-%s-%d.lcmlog", stamp, recorder->count + 1);
-    if (asprintf(&next->path, "%s/%s", config->folder, next->name) < 0) {
-        snprintf(fault, size, "out of memory");
-        return NULL;
+    for (int32_t number = recorder->number + 1; number <= recorder->number + MAX_TRIES; ++number) {
+        snprintf(next->name, sizeof next->name, "softsim-%s-%d.lcmlog", stamp, number);
+        if (asprintf(&next->path, "%s/%s", recorder->config.folder, next->name) < 0) {
+            snprintf(fault, size, "out of memory");
+            return false;
+        }
+        if (softsim_log_create_new(next->path, &recorder->log, &error) != SOFTSIM_OK) {
+            snprintf(fault, size, "%.400s", error.text);
+        }
+        if (recorder->log != NULL) {
+            recorder->number = number;
+            return true;
+        }
+        free(next->path);
+        if (error.fault_count > 0) {
+            return false;
+        }
     }
-    return next;
+    snprintf(fault, size, "%s: a thousand names like %s are taken: move those files away",
+             recorder->config.folder, next->name);
+    return false;
 }
 
 static void begin_recording(ss_recorder *recorder)
 {
     char fault[sizeof recorder->fault] = "";
-    softsim_error error = {.status = SOFTSIM_OK};
-    recording *next = name_next(recorder, fault, sizeof fault);
-    if (next != NULL && softsim_log_create(next->path, &recorder->log, &error) != SOFTSIM_OK) {
-        snprintf(fault, sizeof fault, "%.400s", error.text);
-        free(next->path);
-        next = NULL;
-    }
-    if (next == NULL) {
+    if (!has_place(recorder, fault, sizeof fault) || !open_next(recorder, fault, sizeof fault)) {
         stop_taking(recorder);
         tell(recorder, false, fault);
         return;

@@ -86,6 +86,11 @@ typedef struct softsim_log_writer softsim_log_writer;
  * a killed program left is renamed to `path`.1.part, or the next free number. */
 softsim_status softsim_log_create(const char *path, softsim_log_writer **out_writer,
                                   softsim_error *error);
+/* The same under a name that no user gave: nothing that is there is replaced. SOFTSIM_OK with a
+ * NULL writer: the name, or its .part, is taken. A file that comes to `path` meanwhile stays, and
+ * softsim_log_finish tells where the log is. */
+softsim_status softsim_log_create_new(const char *path, softsim_log_writer **out_writer,
+                                      softsim_error *error);
 /* The file that is written to until softsim_log_finish. */
 const char *softsim_log_path(const softsim_log_writer *writer);
 /* What a `path`.part of a killed program was renamed to; NULL: there was none. Valid until the

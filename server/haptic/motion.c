@@ -32,6 +32,7 @@
 #define TURN_MAX            20.0   /* rad/s */
 #define PREDICT_TURN_MAX    0.2    /* rad */
 #define REST_TIME           0.1    /* s: a hand that stops is not at rest at once */
+#define FORGET_EARLY        0.02   /* s/s: so long is a pose early, after one that was */
 #define PREDICT_TIME_MAX    0.025  /* s */
 #define PREDICT_MOVE_MAX    0.003  /* m */
 #define ACCELERATION_CORNER 20.0   /* Hz */
@@ -46,6 +47,8 @@ void ss_motion_rest(ss_motion *motion)
     ss_set3(motion->mean_v, 0.0, 0.0, 0.0);
     ss_set3(motion->turn, 0.0, 0.0, 0.0);
     motion->speed = motion->covered = 0.0;
+    motion->is_timed = false;
+    motion->usual = motion->late = 0.0;
 }
 
 void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_pose *pose,
@@ -73,6 +76,14 @@ void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_p
     for (int i = 0; i < 3; ++i) {
         motion->mean_v[i] += alpha * (motion->v[i] - motion->mean_v[i]);
     }
+}
+
+void ss_motion_time(ss_motion *motion, double offset, double elapsed)
+{
+    const double most = motion->is_timed ? motion->usual + FORGET_EARLY * elapsed : offset;
+    motion->usual = fmin(offset, most);
+    motion->late = offset - motion->usual;
+    motion->is_timed = true;
 }
 
 void ss_motion_acceleration(const ss_motion *motion, double out[3])

@@ -55,6 +55,7 @@ static void answer_lockstep(ss_loops *loops, const softsim_pose *pose, int32_t c
         ++loops->forces[channel];
         ++loops->periods[channel];
         note_flags(loops, channel, force[channel].flags);
+        ss_prefix_owner_note_pose(&loops->prefix_owner, pose, ss_clock_now_ns());
     }
     loops->peak_force = fmax(loops->peak_force, ss_norm3(force[channel].force));
     /* Who uses the holder's number from another address gets none: the holder would take it. */
@@ -90,6 +91,7 @@ static void handle_pose(void *context, const softsim_pose *pose, int32_t channel
     const softsim_refusal refusal =
         ss_gate_judge(world->gate, pose, channel, receive_ns, &record.sender_epoch);
     if (refusal == SOFTSIM_ACCEPTED) {
+        ss_prefix_owner_note_pose(&loops->prefix_owner, pose, receive_ns);
         loops->queue_refused += !ss_ring_push(world->probe[channel].poses, &record);
         if (!loops->is_answering) {
             ss_wake_signal(loops->haptic_fd);

@@ -12,8 +12,11 @@
  *                  (other_server.c) in its first ten seconds; with --takeover it asks for a
  *                  shutdown instead, once a second
  *
- * Beyond ten seconds a server only warns: clients let go while they hear two (clients/common), and
- * a forged status must not end a server that refuses commands.
+ * A status can be forged. So beyond ten seconds a server only warns: clients let go while they hear
+ * two (clients/common). And it only warns as long as a client holds a probe that came to this one:
+ * who is served by an elder names that one's force in effect (`force_seq`) from its first pose on,
+ * and then the younger gives way as it does without a client.
+ * Rejected: that the other must answer the client's poses too (as easily forged as a status).
  * Thread: net.
  */
 #include <stdbool.h>
@@ -26,11 +29,21 @@
  * that names the other server, or SOFTSIM_ERROR_NETWORK. */
 softsim_status ss_prefix_owner_claim(ss_net *net, const ss_options *options, softsim_error *error);
 
+/* Who holds a probe, or did last. */
+typedef struct ss_prefix_hand {
+    int64_t sender;
+    int64_t seen_ns; /* when a pose of its was last accepted; 0: never */
+    bool is_ours;    /* its first one named no force: of another server, that is */
+} ss_prefix_hand;
+
 /* The prefix as held by a server that is ready since `start_us` of its clock. */
 typedef struct ss_prefix_owner {
     int64_t start_us;
     int64_t next_shutdown_ns; /* --takeover: when the other may be told again */
+    ss_prefix_hand hand[SOFTSIM_MAX_PROBES];
 } ss_prefix_owner;
+/* Takes an accepted pose; its probe is one. */
+void ss_prefix_owner_note_pose(ss_prefix_owner *owner, const softsim_pose *pose, int64_t now_ns);
 /* False when this server must give way, with a line in `error`. */
 bool ss_prefix_owner_hold(ss_prefix_owner *owner, ss_net *net, const ss_options *options,
                           softsim_error *error);

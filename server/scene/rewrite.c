@@ -3,10 +3,12 @@
 /*
  * A scene's file with other values in it.
  *
- * The text is edited, not printed again: comments, order and layout are the user's. Each assignment
- * is one edit of the bytes that the tree says its value has, and the tree is read again after it,
- * so that the next finds what the last has added. Rejected: printing the tree (comments are lost),
- * and all edits in one go (two new keys of one new mapping would write the mapping twice).
+ * The text is edited, not printed again: comments, order and layout are the user's, and a value
+ * that changes says at the end of its line what it was, since they may tell of that. Each
+ * assignment is one edit of the bytes that the tree says its value has, and the tree is read again
+ * after it, so that the next finds what the last has added. Rejected: printing the tree (comments
+ * are lost), and all edits in one go (two new keys of one new mapping would write the mapping
+ * twice).
  */
 #include <limits.h>
 #include <math.h>
@@ -60,12 +62,18 @@ static bool splice(rewriter *r, size_t offset, size_t length, const char *with)
     return true;
 }
 
-/* Puts `with` in the place of a scalar. The tree's place of one in quotes lies between them: they
- * go with it, as `with` brings its own. */
-static bool replace(rewriter *r, const ss_scene_node *node, const char *with)
+/* Quotes on either side of a scalar. The tree's place of one in quotes lies between them: they go
+ * with it, as what takes its place brings its own. */
+static size_t quotes_of(const rewriter *r, const ss_scene_node *node)
 {
     const char before = node->is_quoted && node->offset > 0 ? r->text[node->offset - 1] : ' ';
-    const size_t quote = before == '"' || before == '\'' ? 1 : 0; /* none: a block of lines */
+    return before == '"' || before == '\'' ? 1 : 0; /* none: a block of lines */
+}
+
+/* Puts `with` in the place of a scalar. */
+static bool replace(rewriter *r, const ss_scene_node *node, const char *with)
+{
+    const size_t quote = quotes_of(r, node);
     return splice(r, node->offset - quote, node->length + 2 * quote, with);
 }
 
@@ -134,6 +142,43 @@ static size_t choose_place(const rewriter *r, const ss_scene_node *map, char *be
     return first->key_offset;
 }
 
+/* Is `at` in the middle of a scalar? */
+static bool is_within_scalar(const ss_scene_node *node, size_t at)
+{
+    bool is_within = node->kind == SS_SCENE_SCALAR && node->offset < at &&
+                     at < node->offset + node->length + node->is_quoted;
+    for (const ss_scene_node *child = node->first; child != NULL && !is_within;
+         child = child->next) {
+        is_within = is_within_scalar(child, at);
+    }
+    return is_within;
+}
+
+/* Says at the end of the line what a scalar was that `with` is to replace: comments beside a value
+ * are the user's and stay, and where they tell of the old one they are not told of the new. Nothing
+ * where no comment can stand, or nothing changes. */
+static bool mark(rewriter *r, const ss_scene_node *node, const char *with)
+{
+    const size_t quote = quotes_of(r, node), begin = node->offset - quote;
+    const size_t length = node->length + 2 * quote;
+    const size_t end = begin + length + strcspn(r->text + begin + length, "\r\n");
+    const size_t line = line_start(r, begin);
+    const bool is_first = line + strspn(r->text + line, " -") == node->key_offset;
+    char *note = NULL;
+    if ((strlen(with) == length && memcmp(with, r->text + begin, length) == 0) ||
+        memchr(r->text + begin, '\n', length) != NULL || is_within_scalar(r->tree.root, end)) {
+        return true;
+    }
+    const char *key = node->key != NULL && !is_first ? node->key : "";
+    if (asprintf(&note, "  # %s%swas %.*s", key, key[0] != '\0' ? " " : "", (int)length,
+                 r->text + begin) < 0) {
+        return fault_memory(r);
+    }
+    const bool is_good = splice(r, end, 0, note);
+    free(note);
+    return is_good;
+}
+
 static bool assign(rewriter *r, const char *assignment)
 {
     const char *equals = strchr(assignment, '='), *rest = NULL;
@@ -178,7 +223,8 @@ static bool assign(rewriter *r, const char *assignment)
     fputs(after, stream);
     const bool is_good =
         fclose(stream) == 0 &&
-        (rest < equals || is_empty ? splice(r, offset, 0, with) : replace(r, node, with));
+        (rest < equals || is_empty ? splice(r, offset, 0, with)
+                                   : mark(r, node, with) && replace(r, node, with));
     free(with);
     return is_good;
 }

@@ -142,7 +142,8 @@ bool ss_scene_check_outputs(const ss_scene *scene, const ss_named_file *output,
 
 /* The scene's file with values put in their places, for a file in another folder perhaps: all else
  * stays as it was written, comments too, but that file names become absolute when the folder is
- * another. `assignments` as overrides: what is there is replaced, what is not is added. Of the
+ * another. `assignments` as overrides: what is there is replaced, and told as a comment at the
+ * end of its line ("# was 5"), what is not is added. Of the
  * overrides that the scene was loaded with, those to be kept must be among them. The text is to be
  * freed; NULL with the faults in `error`, also where a value cannot be placed. */
 char *ss_scene_rewrite(const ss_scene *scene, const char *const *assignments, int32_t count,

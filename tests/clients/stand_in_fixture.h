@@ -45,7 +45,9 @@ typedef struct server {
     int mute_from, mute_until; /* fresh poses that are not answered: number from .. until - 1 */
     int other_until;           /* earlier ones are answered as those of another sender */
     int other_from;            /* and from this one on; 0: never */
+    int held_questions;        /* so many of whose a probe is find that another sender holds it */
     int replaced_from;         /* another server answers from this one on; 0: never */
+    int raced_until;           /* a stranger answers earlier ones first, from where `next` speaks */
     bool is_late;              /* what is muted is answered once the poses have ended */
     bool is_entering;          /* answers as to a tool that has come up inside the tissue */
     bool sends_status;
@@ -54,7 +56,8 @@ typedef struct server {
     lcm_t *lcm, *next; /* that replaces the first */
     pthread_t thread;
     atomic_bool is_stopping;
-    atomic_int poses; /* that came, repeats included */
+    atomic_int poses; /* that came, repeats included, questions not */
+    int questions;
     int fresh, force_seq;
     int32_t last_seq[SOFTSIM_MAX_PROBES];
     softsim_pose kept[MAX_KEPT]; /* the fresh ones */
@@ -64,12 +67,17 @@ typedef struct server {
 
 static server stand_in;
 
-static inline void publish_force(server *s, const char *channel, const softsim_force *force)
+static inline void publish_force_from(lcm_t *lcm, const char *channel, const softsim_force *force)
 {
     uint8_t data[SS_WIRE_FORCE_SIZE];
     ss_wire_encode_force(force, data);
-    lcm_publish(s->replaced_from > 0 && s->fresh >= s->replaced_from ? s->next : s->lcm, channel,
-                data, sizeof data);
+    lcm_publish(lcm, channel, data, sizeof data);
+}
+
+static inline void publish_force(server *s, const char *channel, const softsim_force *force)
+{
+    const bool is_replaced = s->replaced_from > 0 && s->fresh >= s->replaced_from;
+    publish_force_from(is_replaced ? s->next : s->lcm, channel, force);
 }
 
 static inline void publish_rubbish(server *s, const char *channel, const softsim_force *force)
@@ -117,12 +125,31 @@ static inline void publish_status(server *s)
     lcm_publish(s->lcm, "SOFTSIM_STATUS", data, (unsigned)size);
 }
 
+/* A replay's before its log begins: a pose with the number 0. */
+static inline void answer_question(server *s, const softsim_pose *pose, int32_t probe)
+{
+    const softsim_force force = {
+        .sender = pose->sender,
+        .pose_utime_us = pose->utime_us,
+        .probe = probe,
+        .flags = ++s->questions <= s->held_questions ? SOFTSIM_FORCE_OTHER_SENDER : 0};
+    char answer[64];
+    snprintf(answer, sizeof answer, "SOFTSIM_FORCE_%d", probe);
+    if (!s->is_mute) {
+        publish_force(s, answer, &force);
+    }
+}
+
 static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, void *context)
 {
     server *s = context;
     softsim_pose pose;
     const int32_t probe = softsim_log_probe(channel);
     if (!softsim_log_decode_pose(buffer->data, (int32_t)buffer->data_size, &pose)) {
+        return;
+    }
+    if (pose.seq == 0) {
+        answer_question(s, &pose, probe);
         return;
     }
     ++s->poses;
@@ -160,6 +187,12 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
     }
     char answer[64];
     snprintf(answer, sizeof answer, "SOFTSIM_FORCE_%d", probe);
+    if (s->fresh < s->raced_until) {
+        softsim_force forged = force;
+        forged.flags = SOFTSIM_FORCE_CONTACT;
+        ss_set3(forged.force, 0.0, 0.0, 1e4);
+        publish_force_from(s->next, answer, &forged);
+    }
     if (s->sends_rubbish) {
         publish_rubbish(s, answer, &force);
     }

@@ -453,6 +453,34 @@ TEST(figures_of_a_stranger_are_bounded)
     }
 }
 
+/* ---- summary ---- */
+
+TEST(the_peak_is_told_as_pressed_or_pulled)
+{
+    static const struct {
+        double force_n, indentation_m;
+        bool is_linear;
+        const char *line;
+    } cases[] = {
+        {0.75, 0.004, false, "peak force  0.75 N at 4 mm of indentation\n"},
+        {0.517, -0.00837, false, "peak force  0.517 N, pulled 8.37 mm\n"},
+        {0.0, 0.0, false, "peak force  0 N\n"},
+        {2.0, 0.0, true, "peak force  2 N\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const ss_bridge_summary summary = {.peak_force_n = cases[i].force_n,
+                                           .peak_indentation_m = cases[i].indentation_m};
+        char *said = NULL;
+        size_t size = 0;
+        FILE *stream = open_memstream(&said, &size);
+        assert_non_null(stream);
+        ss_bridge_print_peak(&summary, cases[i].is_linear, stream);
+        fclose(stream);
+        assert_string_equal(said, cases[i].line);
+        free(said);
+    }
+}
+
 int main(void)
 {
     return run_all_tests(make_folder, remove_folder);

@@ -84,6 +84,34 @@ TEST(limits_are_forgotten_when_another_server_may_answer)
     ss_bridge_fini(&bridge);
 }
 
+/* Nor does it hold those that a stranger told whose place it has taken, however soon. */
+TEST(limits_are_forgotten_when_another_server_has_been_taken)
+{
+    static ss_bridge bridge;
+    const ss_device device = {.period_s = 1e-3};
+    const ss_bridge_config config = {.tick_count = 100};
+    const softsim_force first = {.seq = 5000, .pose_seq = 1}, next = {.seq = 5001, .pose_seq = 2};
+    ss_speakers heard = {.has_force = true};
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_frame frame;
+    ss_frame_init(&frame, "x,y,z", "0,0,0", 1.0, 1.0, &error);
+    assert_int_equal(ss_bridge_init(&bridge, &config, &frame, &device, &error), SOFTSIM_OK);
+    ss_bridge_take_force(&bridge, &first, 1000000);
+    ss_bridge_watch_servers(&bridge, &heard, 1000000);
+    bridge.wants_scene = false;
+    bridge.corrector.limits = (ss_corrector_limits){1000.0, 1e6};
+    heard.second = 100;
+    ss_bridge_watch_servers(&bridge, &heard, 100000000);
+    assert_near(bridge.corrector.limits.force_n, 1000.0, 0.0);
+    heard.changes = 1;
+    ss_bridge_take_force(&bridge, &next, 102000000);
+    ss_bridge_watch_servers(&bridge, &heard, 102000000);
+    assert_near(bridge.corrector.limits.force_n, 0.0, 0.0);
+    assert_near(bridge.corrector.limits.slew_n_per_s, 2000.0, 0.0);
+    assert_true(bridge.wants_scene);
+    ss_bridge_fini(&bridge);
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);

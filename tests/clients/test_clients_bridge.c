@@ -300,6 +300,10 @@ SERVED_TEST(bridge_without_a_server_fails_and_says_so)
                                 "0,0,0",          "--ticks",  "50",  NULL};
     assert_int_equal(process_run(&child, argv), 1);
     assert_non_null(strstr(child.err, "no force came"));
+    /* The tissue is not looked for longer than the run is to be. */
+    const char *const brief[] = {"softsim-bridge", "--device", "sim", "--duration", "2", NULL};
+    assert_int_equal(process_run(&child, brief), 1);
+    assert_non_null(strstr(child.err, "the tissue was not found: no server was heard in 2 s; "));
 }
 
 SERVED_TEST(bridge_tells_that_forces_stop)
@@ -317,23 +321,47 @@ SERVED_TEST(bridge_tells_that_forces_stop)
         1e-6 * (double)(stand_in.kept[298].utime_us - stand_in.kept[0].utime_us);
     assert_true(at_s > answered_s - 0.1 && at_s > 0.25);
     assert_null(strstr(child.err, "again"));
+}
 
-    /* A server that is held back meanwhile takes poses faster than they were sent: then its silence
-     * is shorter, and it is asked again. */
-    int runs = 0;
-    do {
-        assert_true(++runs < 20);
-        memset(&stand_in, 0, sizeof stand_in);
-        stand_in.mute_from = 300;
-        stand_in.mute_until = 800;
-        run_served(argv, 0);
-        said = strstr(child.err, "forces again at");
-        at_s = 0.0;
-        if (said != NULL) {
-            assert_non_null(strstr(child.err, "forces stopped at"));
-            assert_int_equal(sscanf(said, "forces again at %*f s, after %lf s", &at_s), 1);
-        }
-    } while (at_s < 0.4);
+/* How long forces were away before they came again, as a bridge tells whose server leaves out so
+ * many poses; else 0. It exits 1 where that was a second or longer, and what it recorded is not
+ * complete then. */
+static double stop_forces(int count)
+{
+    const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0",
+                                "--ticks",        "2400",     "--csv", csv,          NULL};
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.mute_from = 300;
+    stand_in.mute_until = 300 + count;
+    unlink(csv);
+    start_server();
+    const int status = process_run(&child, argv);
+    stop_server();
+    double away_s = 0.0;
+    const char *said = strstr(child.err, "forces again at");
+    if (said != NULL) {
+        assert_non_null(strstr(child.err, "forces stopped at"));
+        assert_int_equal(sscanf(said, "forces again at %*f s, after %lf s", &away_s), 1);
+    }
+    if (away_s < 0.95 || away_s > 1.05) { /* as it is rounded */
+        assert_int_equal(status, away_s > 1.0);
+        assert_int_equal(access(csv, F_OK), away_s > 1.0 ? -1 : 0);
+        assert_int_equal(count_lines(away_s > 1.0 ? part : csv, false), 2401);
+    }
+    return away_s;
+}
+
+/* A server that is held back meanwhile takes poses faster than they were sent: then its silence is
+ * shorter, and it is asked again. */
+SERVED_TEST(bridge_tells_that_forces_come_again)
+{
+    for (int runs = 0; stop_forces(500) < 0.4; ++runs) {
+        assert_true(runs < 20);
+    }
+    for (int runs = 0; stop_forces(1400) < 1.1; ++runs) {
+        assert_true(runs < 20);
+    }
 }
 
 /* It goes on, but what it keeps is not of one body: told once, exit 1, and no file of that name.
@@ -359,6 +387,46 @@ SERVED_TEST(bridge_tells_that_another_server_answers)
     assert_non_null(strstr(child.err, "b.csv: not complete; what was recorded is in "));
     assert_int_equal(access(csv, F_OK), -1);
     assert_int_equal(count_lines(part, false), 1501);
+}
+
+/* N: the largest that a file of the bridge tells. */
+static double largest_force(const char *path)
+{
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    char line[2048];
+    double largest = 0.0, force[3];
+    assert_non_null(fgets(line, sizeof line, file)); /* its header */
+    while (fgets(line, sizeof line, file) != NULL) {
+        char *at = line;
+        for (int k = 0; k < 13; ++k) {
+            force[k % 3] = strtod(at, &at); /* columns 10 to 12 are left: 1, 2, 0 */
+            at += *at == ',';
+        }
+        largest = fmax(largest, ss_norm3(force));
+    }
+    fclose(file);
+    return largest;
+}
+
+/* A stranger answers every pose before the server does, or the first alone: 10 kN. The device would
+ * exert 20. */
+SERVED_TEST(who_answers_before_the_server_is_not_felt)
+{
+    static const int until[] = {INT32_MAX, 2};
+    const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0",
+                                "--ticks",        "1000",     "--csv", csv,          NULL};
+    for (size_t i = 0; i < sizeof until / sizeof *until; ++i) {
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.raced_until = until[i];
+        run_served(argv, 1);
+        const double largest = largest_force(part);
+        print_message("%d: %.4g N\n%s", until[i], largest, child.err);
+        assert_true(largest < 0.015 * stiffness); /* 15 mm, deeper than it presses */
+        assert_int_equal(access(csv, F_OK), -1);
+        assert_int_equal(unlink(part), 0);
+    }
 }
 
 SERVED_TEST(bridge_tells_whose_the_probe_is)

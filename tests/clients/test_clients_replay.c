@@ -246,16 +246,73 @@ SERVED_TEST(a_run_without_any_answer_is_a_failure)
     assert_int_equal(process_run(&child, argv), 1);
     assert_non_null(strstr(child.err, "no answer came; is softsimd running"));
     assert_non_null(strstr(child.out, "50 sent, 0 answered"));
-    stand_in.other_until = INT32_MAX;
+}
+
+/* ---- another sender on the probe ---- */
+
+/* How often `text` holds `word`. */
+static int count_words(const char *text, const char *word)
+{
+    int count = 0;
+    for (const char *at = text; (at = strstr(at, word)) != NULL; ++at) {
+        ++count;
+    }
+    return count;
+}
+
+/* Nothing of the log is refused, nor is what asks whose the probe is a part of it. */
+SERVED_TEST(a_probe_that_another_sender_holds_is_waited_for)
+{
+    const char *log = in_folder("a.lcmlog"), *csv = in_folder("a.csv"),
+               *record = in_folder("r.lcmlog");
+    const char *const argv[] = {"softsim-replay", log,        "--csv", csv, "--record",
+                                record,           "--repeat", "2",     NULL};
+    make_log(log, 200, 2);
+    stand_in.held_questions = 7;
+    run_served(argv, 0);
+    assert_int_equal(count_words(child.err, "another sender holds probe "), 1);
+    assert_non_null(strstr(child.err, "; waits until it has let go"));
+    assert_null(strstr(child.out, "refused"));
+    assert_non_null(strstr(child.out, "800 sent"));
+    assert_true(stand_in.questions > 7);
+    const int count = read_csv(csv);
+    for (int i = 0; i < count; ++i) {
+        assert_true(rows[i].pose_seq >= 1 && (rows[i].flags & SOFTSIM_FORCE_OTHER_SENDER) == 0);
+    }
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log *recorded = NULL;
+    softsim_log_event event;
+    int poses = 0;
+    assert_int_equal(softsim_log_open(record, &recorded, &error), SOFTSIM_OK);
+    while (softsim_log_next(recorded, &event) == SOFTSIM_LOG_EVENT) {
+        softsim_pose pose;
+        if (softsim_log_probe(event.channel) >= 0 &&
+            softsim_log_decode_pose(event.data, event.data_size, &pose)) {
+            assert_int_equal(pose.seq, ++poses);
+        }
+    }
+    softsim_log_close(&recorded);
+    assert_int_equal(poses, 800);
+}
+
+SERVED_TEST(a_probe_that_is_never_let_go_is_a_failure)
+{
+    const char *log = in_folder("a.lcmlog"), *csv = in_folder("a.csv");
+    const char *const argv[] = {"softsim-replay", log, "--csv", csv, NULL};
+    make_log(log, 50, 1);
+    stand_in.held_questions = INT32_MAX;
     start_server();
-    /* It waits half a second for the last answer: a machine that holds the server back for longer
-     * has it say what it saw before. */
-    int runs = 0;
-    do {
-        assert_true(++runs < 20);
-        assert_int_equal(process_run(&child, argv), 1);
-    } while (strstr(child.err, "no answer came; is softsimd running") != NULL);
-    assert_non_null(strstr(child.err, "no answer came: another sender holds the probe"));
+    assert_int_equal(process_run(&child, argv), 1);
+    assert_non_null(strstr(child.err, "another sender still holds probe 0: nothing was played"));
+    assert_non_null(strstr(child.out, "0 sent"));
+    assert_int_equal(stand_in.poses, 0);
+    assert_int_equal(access(csv, F_OK), -1);
+    /* Nor is it waited for when nobody wants it. */
+    process_start(&child, argv, NULL);
+    assert_true(process_wait_for(&child, "another sender holds probe 0; waits"));
+    process_signal(&child, SIGINT);
+    expect_status(1);
+    assert_non_null(strstr(child.err, "stopped after 0 of 50 poses"));
 }
 
 /* ---- an end or a change of the server that the summary alone would hide ---- */
@@ -319,23 +376,53 @@ SERVED_TEST(a_late_server_is_waited_for)
     const char *log = in_folder("a.lcmlog");
     const char *const argv[] = {"softsim-replay", log, NULL};
     make_log(log, 1500, 1);
-    stand_in.mute_from = 500;
+    stand_in.mute_from = 900; /* more than a second would be told */
     stand_in.mute_until = INT32_MAX;
     stand_in.is_late = true;
     run_served(argv, 0);
     assert_string_equal(child.err, "");
 }
 
-SERVED_TEST(a_probe_lost_to_another_sender_is_told)
+/* A second of them, that is; the log goes on to its end. A server that is held back meanwhile takes
+ * the poses faster than they were sent, and its silence is shorter: then it is played again. */
+SERVED_TEST(answers_that_are_away_for_long_are_told)
+{
+    const char *log = in_folder("a.lcmlog"), *csv = in_folder("a.csv");
+    const char *const argv[] = {"softsim-replay", log, "--csv", csv, NULL};
+    make_log(log, 2500, 1);
+    const char *said = NULL;
+    for (int runs = 0; said == NULL; ++runs) {
+        assert_true(runs < 20);
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.mute_from = 500;
+        stand_in.mute_until = 2000;
+        start_server();
+        const int status = process_run(&child, argv);
+        stop_server();
+        said = strstr(child.err, "no answer for ");
+        assert_int_equal(status, said != NULL);
+    }
+    double length_s = 0.0;
+    int pose = 0;
+    assert_int_equal(sscanf(said, "no answer for %lf s from pose %d on", &length_s, &pose), 2);
+    assert_true(length_s >= 1.0 && pose >= 400);
+    assert_null(strstr(said + 1, "no answer for "));
+    assert_non_null(strstr(child.out, "2500 sent"));
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_true(read_csv(in_folder("a.csv.part")) > 0);
+}
+
+SERVED_TEST(poses_refused_for_another_sender_are_told)
 {
     make_log(in_folder("a.lcmlog"), 300, 1);
     stand_in.other_from = 200;
-    expect_doubt("another sender holds probe 0 since pose 200", "--lockstep");
-    /* At its start it waits for the one before to let go. */
-    const char *const argv[] = {"softsim-replay", in_folder("a.lcmlog"), "--lockstep", NULL};
+    expect_doubt("another sender held probe 0 at pose 200", "--lockstep");
     memset(&stand_in, 0, sizeof stand_in);
-    stand_in.other_until = 50;
-    run_served(argv, 0);
+    stand_in.other_until = 50; /* each of them has moved the world's time */
+    expect_doubt("another sender held probe 0 at pose 1:", "--lockstep");
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.other_from = 100;
+    expect_doubt("another sender held probe 0 at pose ", NULL);
 }
 
 int main(void)

@@ -153,6 +153,29 @@ TEST(the_force_moves_by_the_slew)
     }
 }
 
+/* 10 kN that nobody felt, then 1 N: by the slew it would take five seconds. What moved meanwhile
+ * was neither given nor taken. */
+TEST(a_force_that_was_withheld_is_no_beginning)
+{
+    static ss_corrector c;
+    const ss_corrector_limits limits = {0.0, 2000.0};
+    ss_corrector_init(&c, true, limits);
+    for (int32_t ms = 0; ms < 60; ++ms) {
+        const double at[3] = {0.0, 0.0, -1e-4 * fmin(ms, 50.0)};
+        softsim_force force = make_force(0);
+        double out[3];
+        ss_set3(force.force, 0.0, 0.0, ms < 50 ? 1e4 : 1.0);
+        ss_corrector_take_force(&c, &force, ms * 1000000LL);
+        ss_corrector_force(&c, ms * 1000000LL, at, out);
+        if (ms < 51) {
+            ss_corrector_withhold(&c, 1.0);
+        } else {
+            assert_near(out[2], 1.0, 1e-12);
+        }
+        assert_near(c.energy_j, 0.0, 0.0);
+    }
+}
+
 /* Silent for 100 ms, and there again. */
 TEST(force_comes_back_slowly_after_a_silence)
 {
@@ -195,6 +218,47 @@ TEST(correction_of_a_grasp_is_signed_and_goes_all_ways)
     ss_corrector_take_force(&c, &force, 0);
     ss_corrector_force(&c, 0, moved, out);
     assert_near(out[2], -3.0 - 500 * 4e-3, 1e-12);
+}
+
+/* Answered 18 um ago: what a grasp that was let go still pulls aside, with next to no normal force,
+ * went with that. */
+TEST(what_fades_across_the_normal_stays)
+{
+    static ss_corrector c;
+    const double at[3] = {0.0, 0.0, 0.0}, moved[3] = {0.0, 0.0, 18e-6};
+    const double left[3] = {1e-3, 0.0, 0.0};
+    double out[3];
+    softsim_force force = make_force(5);
+    ss_set3(force.force, 1.5, 0.0, 1e-3);
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
+    ss_corrector_note_pose(&c, 5, 0, at);
+    ss_corrector_take_force(&c, &force, 0);
+    ss_corrector_force(&c, 0, moved, out);
+    assert_near(out[0], 1.5 - 1e-3, 1e-12);
+    assert_near(out[2], 0.0, 1e-12);
+    ss_corrector_force(&c, 0, left, out); /* as far as its own way gives it back */
+    assert_near(out[0], 1.5 - 500 * 1e-3, 1e-12);
+}
+
+/* A hand that follows a grasp's pull, and lets go: from one tick to the next nothing. */
+TEST(the_end_of_a_grasp_is_no_step)
+{
+    static ss_corrector c;
+    const double at[3] = {0.0, 0.0, 0.0}, moved[3] = {-6e-3, 0.0, 0.0};
+    double out[3];
+    softsim_force force = make_force(5);
+    ss_set3(force.force, -5.0, 0.0, 0.0);
+    force.flags |= SOFTSIM_FORCE_GRASPING;
+    ss_corrector_init(&c, true, ss_corrector_unlimited);
+    ss_corrector_note_pose(&c, 5, 0, at);
+    for (int ms = 0; ms < 60; ++ms) {
+        const double time = 1e-3 * (ms - 1);
+        force.flags &= ms < 1 ? -1 : ~SOFTSIM_FORCE_GRASPING;
+        force.stiffness = ms < 1 ? 500.0 : 0.0;
+        ss_corrector_take_force(&c, &force, ms * 1000000LL);
+        ss_corrector_force(&c, ms * 1000000LL, moved, out);
+        assert_true(fabs(out[0] + 5.0 - 3.0 * (ms < 1 ? 1.0 : exp(-time / 0.02))) < 0.2);
+    }
 }
 
 TEST(force_fades_when_the_server_is_gone)

@@ -40,6 +40,20 @@ int __wrap_fflush(FILE *file)
     return __real_fflush(file);
 }
 
+/* ---- a clock that stands ---- */
+
+time_t __wrap_time(time_t *out);
+
+/* Or was set back between two recordings. */
+time_t __wrap_time(time_t *out)
+{
+    const time_t now = 1700000000;
+    if (out != NULL) {
+        *out = now;
+    }
+    return now;
+}
+
 /* ---- a recorder ---- */
 
 static ss_recorder *recorder;
@@ -318,6 +332,58 @@ TEST_WITH(what_the_disk_does_not_take_at_the_end_is_told_by_the_close, begin, cl
     assert_int_equal(error.status, SOFTSIM_ERROR_FILE);
     assert_non_null(strstr(error.text, "-2.lcmlog: cannot write: "));
     assert_non_null(strstr(error.text, "-2.lcmlog.part"));
+}
+
+/* Another softsim-web on the folder, in the same second. */
+TEST_WITH(no_recording_of_another_is_replaced, begin, close_recorder)
+{
+    open_recorder((ss_recorder_config){0});
+    start_with(3);
+    stop();
+    start_with(5); /* goes on while the other's come and go */
+    ss_recorder *first = recorder;
+    open_recorder((ss_recorder_config){0});
+    for (int k = 0; k < 2; ++k) {
+        start_with(7);
+        stop();
+        assert_int_equal(count_recorded(), 7);
+    }
+    assert_non_null(strstr(told, "\"files\": [\"softsim-20231114-221320-3.lcmlog\", "
+                                 "\"softsim-20231114-221320-4.lcmlog\"]"));
+    ss_recorder_close(&recorder, NULL);
+    recorder = first;
+    stop();
+    assert_int_equal(count_recorded(), 5);
+    start_with(9);
+    stop();
+    assert_int_equal(count_recorded(), 9);
+    assert_non_null(strstr(told, "\"files\": [\"softsim-20231114-221320-1.lcmlog\", "
+                                 "\"softsim-20231114-221320-2.lcmlog\", "
+                                 "\"softsim-20231114-221320-5.lcmlog\"]"));
+    static const int size[] = {3, 5, 7, 7, 9};
+    for (int k = 0; k < 5; ++k) {
+        struct stat found;
+        char name[64];
+        snprintf(name, sizeof name, "softsim-20231114-221320-%d.lcmlog", k + 1);
+        assert_int_equal(stat(in_folder(name), &found), 0);
+        assert_int_equal(found.st_size, size[k] * (MESSAGE + 28 + 15));
+    }
+}
+
+/* A copy that a user puts there while it is recorded. */
+TEST_WITH(what_came_to_the_name_meanwhile_stays, begin, close_recorder)
+{
+    static const char name[] = "softsim-20231114-221320-1.lcmlog";
+    char kept[8];
+    open_recorder((ss_recorder_config){0});
+    start_with(3);
+    write_text(name, "mine");
+    stop();
+    assert_non_null(strstr(told, "; what was recorded before is in "));
+    assert_non_null(strstr(told, "-1.lcmlog.part"));
+    assert_non_null(strstr(told, "\"files\": []"));
+    read_text(name, kept, sizeof kept);
+    assert_string_equal(kept, "mine");
 }
 
 int main(void)

@@ -533,6 +533,60 @@ TEST(absurd_numbers_stay_finite)
     rig_end(&r);
 }
 
+/* The force on a tool that goes in at .3 m/s, each tick; of every five poses the first three come
+ * `late` ticks, one and none after they were taken. */
+static void press_late(int64_t late, double out_force[100])
+{
+    static const int64_t share[5] = {2, 1, 0, 0, 0};
+    ss_haptic_config config = default_config();
+    config.is_lockstep = false;
+    rig r;
+    rig_start(&r, &config);
+    int64_t taken = 0;
+    for (int64_t n = 1; n <= 300; ++n) {
+        softsim_pose come[8];
+        int32_t count = 0;
+        for (int64_t k = taken + 1; k <= n; ++k) {
+            if (k + (late * share[k % 5] + 1) / 2 <= n) { /* the newest wins, as at the gate */
+                r.pose.seq = (int32_t)k;
+                r.pose.utime_us = 1000 * k;
+                ss_set3(r.pose.velocity, NAN, NAN, NAN);
+                r.pose.position[2] = 1e-3 - 0.3e-3 * (double)(k > 150 ? k - 150 : 0);
+                come[count++] = r.pose;
+                taken = k;
+            }
+        }
+        if (n > 1) {
+            rig_result(&r, 100.0, fmax(0.0, -r.pose.position[2]), 1);
+        }
+        r.tick = n;
+        const ss_haptic_input input = {.tick = n,
+                                       .pose = come,
+                                       .pose_count = count,
+                                       .sender_epoch = 1,
+                                       .result = r.has_result ? &r.result : NULL,
+                                       .is_result_new = r.has_result};
+        ss_haptic_tick(r.haptic, &input, &r.out);
+        if (n > 200) {
+            out_force[n - 201] = r.out.force.force[2];
+        }
+    }
+    rig_end(&r);
+}
+
+/* A bus that brings a pose a tick or two late, or two at once, is not felt. */
+TEST(a_pose_that_comes_late_is_of_its_time)
+{
+    double steady[100], late[100], most = 0.0;
+    press_late(0, steady);
+    press_late(2, late);
+    for (int n = 0; n < 100; ++n) {
+        most = fmax(most, fabs(late[n] - steady[n]));
+    }
+    print_message("%.3g N of %.3g\n", most, steady[99]);
+    assert_true(steady[99] > 1.0 && most < 0.01);
+}
+
 TEST(nothing_is_sent_before_the_first_pose)
 {
     rig r;

@@ -45,8 +45,9 @@ TEST(a_number_changes_in_its_place)
     assert_non_null(out);
     char expected[sizeof text + 64];
     snprintf(expected, sizeof expected, "%s", text);
-    const char *change[][2] = {
-        {"5.0 # J", "12.5 # J"}, {"{value: 2}", "{value: 0.25}"}, {"radius_mm: 5", "radius_mm: 6"}};
+    const char *change[][2] = {{"5.0 # J", "12.5 # J  # was 5.0"},
+                               {"{value: 2}]", "{value: 0.25}]  # value was 2"},
+                               {"radius_mm: 5}}}]}", "radius_mm: 6}}}]}  # radius_mm was 5"}};
     for (int k = 0; k < 3; ++k) {
         char rest[sizeof expected];
         char *at = strstr(expected, change[k][0]);
@@ -55,6 +56,43 @@ TEST(a_number_changes_in_its_place)
         snprintf(at, sizeof expected - (size_t)(at - expected), "%s%s", change[k][1], rest);
     }
     assert_string_equal(out, expected);
+    free(out);
+}
+
+/* What stands beside a value may tell of the old one, which is then there too. */
+TEST(a_value_that_changes_says_what_it_was)
+{
+    static const char source[] = "softsim: 1\n"
+                                 "object: {mesh: 'cube.msh', units: mm,\n"
+                                 "  fixed: [{box_m: [[0, 0, 0], [1, 1, 0.01]]}]} # below\n"
+                                 "model:\n"
+                                 "  name: jelly\n"
+                                 "  # 5 J: a source\n"
+                                 "  modulus_j: 5\r\n"
+                                 "  rho:\n"
+                                 "    - {where: {box_m: [[0, 0, 0], [1, 1, 0.01]]}, value: 1}\n"
+                                 "    - value: 2 # here\n";
+    const char *set[] = {"model.modulus_j=7", "model.modulus_j=8", "model.rho.0.value=1",
+                         "model.rho.1.value=3", "object.mesh=cube.msh"};
+    char *out = rewrite(source, set, 5, folder);
+    assert_non_null(out);
+    assert_non_null(strstr(out, "\n  # 5 J: a source\n  modulus_j: 8  # was 5  # was 7\r\n"));
+    assert_non_null(strstr(out, ", value: 1}\n    - value: 3 # here  # was 2\n"));
+    assert_non_null(strstr(out, "{mesh: cube.msh, units: mm,  # mesh was 'cube.msh'\n"));
+    assert_null(strstr(out, "below  #"));
+    ss_scene *scene = load_with(out, NULL, 0);
+    if (scene == NULL) {
+        fail_msg("%s\n%s", error.text, out);
+    }
+    ss_scene_destroy(&scene);
+    free(out);
+    /* The end of its line is in the middle of another's text: nothing can stand there. */
+    static const char open[] = "softsim: 1\nobject: {units: mm, mesh: \"cube.\\\n  msh\"}\n"
+                               "model: {name: jelly, modulus_j: 1}\n";
+    const char *units[] = {"object.units=cm"};
+    out = rewrite(open, units, 1, folder);
+    assert_non_null(out);
+    assert_non_null(strstr(out, "{units: cm, mesh: \"cube.\\\n  msh\"}\n"));
     free(out);
 }
 
@@ -151,6 +189,12 @@ TEST(a_text_in_quotes_is_replaced_with_its_quotes)
                                        "model: {name: jelly, modulus_j: 1}\n";
             snprintf(source, sizeof source, form, written[k]);
             snprintf(expected, sizeof expected, form, becomes[v]);
+            if (strcmp(written[k], becomes[v]) != 0) {
+                char *end = strchr(expected, '\n'), rest[256];
+                snprintf(rest, sizeof rest, "%s", end);
+                snprintf(end, sizeof expected - (size_t)(end - expected), "  # mesh was %s%s",
+                         written[k], rest);
+            }
             char *out = rewrite(source, set[v], 1, folder);
             assert_non_null(out);
             assert_string_equal(out, expected);

@@ -366,6 +366,9 @@ TEST(repair_tells_what_it_leaves)
     assert_null(strstr(out, "left as they are"));
 }
 
+/* One triangle of it is long and thin. */
+#define NEEDLE "v 0 0 0\nv 1 0 0\nv 0 .05 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
 TEST(a_surface_is_evened_out)
 {
     char out[8192];
@@ -386,10 +389,31 @@ TEST(a_surface_is_evened_out)
     expect_answers(rows, COUNT(rows));
     assert_int_equal(run("cmp even.msh even2.msh", out, sizeof out), 0);
     /* A needle of a triangle: the words of check name the command. */
-    write_text("needle.obj", "v 0 0 0\nv 1 0 0\nv 0 .05 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n"
-                             "f 2 3 4\n");
+    write_text("needle.obj", NEEDLE);
     assert_int_equal(run(TOOL "check needle.obj", out, sizeof out), 1);
-    assert_non_null(strstr(out, "softsim-mesh remesh IN OUT --edge-mm N"));
+    assert_non_null(strstr(out, "worst: softsim-mesh remesh IN OUT --edge-mm N"));
+    assert_non_null(strstr(out, "model       mass-spring: a surface mesh needs thickness_m"));
+}
+
+/* What check names for slivers is taken, or what is to be done first is said. */
+TEST(only_what_remesh_takes_is_sent_there)
+{
+    char out[8192];
+    write_text("crossed.obj", NEEDLE "v .1 .01 .1\nv 2 .01 .1\nv .1 2 .1\nv .1 .01 2\nf 5 7 6\n"
+                                     "f 5 6 8\nf 5 8 7\nf 6 7 8\n");
+    assert_int_equal(run(TOOL "check crossed.obj", out, sizeof out), 1);
+    assert_non_null(strstr(out, "worst: once nothing crosses, softsim-mesh remesh IN OUT"));
+    write_text("finned.obj", NEEDLE "v 2 2 .5\nf 2 5 4\n");
+    (void)run(TOOL "check finned.obj", out, sizeof out);
+    assert_non_null(strstr(out, "worst: once it is mended (softsim-mesh convert --repair), softsim-"
+                                "mesh remesh IN OUT"));
+    static const tool_row rows[] = {
+        {"remesh crossed.obj even.msh --edge 0.2", 2, "triangles cross others"},
+        {"remesh finned.obj even.msh --edge 0.2", 2, "mend it first"},
+        {"remesh needle.obj even.msh --edge 0.02", 0, "even.msh: at most "},
+    };
+    write_text("needle.obj", NEEDLE);
+    expect_answers(rows, COUNT(rows));
 }
 
 /* The help names the groups that are written, and no others. */

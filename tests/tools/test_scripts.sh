@@ -21,7 +21,11 @@ expect() {
 expect 2 "--seconds needs a whole number" tools/demo.sh --seconds
 expect 2 "--seconds needs a whole number" tools/demo.sh --seconds=
 expect 2 "--seconds needs a whole number" tools/demo.sh --seconds ten
+# Every option lets the next be read: alone, first and last.
+expect 2 "--seconds needs a whole number" tools/demo.sh --no-web --seconds ten
+expect 2 "--seconds needs a whole number" tools/demo.sh --seconds 5 --no-web --seconds=ten
 expect 2 "unknown argument '--fast'" tools/demo.sh --fast
+expect 2 "unknown argument '--fast'" tools/demo.sh --seconds=5 --no-web --fast
 expect 2 "unknown argument '--fast'" tools/test.sh --fast
 expect 2 "one argument too many" tools/test.sh --quick --quick
 expect 2 "'none' is no model; there are" tools/single_models.sh fem none

@@ -78,8 +78,12 @@ static void measure(const ss_model_class *class, const ss_mesh *mesh, const uint
     ss_model *model = NULL;
     softsim_error error = {0};
     if (ss_model_create(class, &plan, &model, &error) != SOFTSIM_OK) {
-        (void)snprintf(out->reason, sizeof out->reason, "%.*s", (int)strcspn(error.text, "\n"),
-                       error.text);
+        /* The name stands before the reason already. */
+        const size_t length = strlen(class->name);
+        const bool is_named =
+            strncmp(error.text, class->name, length) == 0 && error.text[length] == ':';
+        const char *why = error.text + (is_named ? length + strspn(error.text + length, ": ") : 0);
+        (void)snprintf(out->reason, sizeof out->reason, "%.*s", (int)strcspn(why, "\n"), why);
         return;
     }
     ss_model_info info;

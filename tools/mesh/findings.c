@@ -13,17 +13,30 @@
 
 /* ---- findings ---- */
 
+#define EVEN_AND_FILL                                                                              \
+    "and fill it again: softsim-mesh convert IN surface.obj; softsim-mesh remesh surface.obj "     \
+    "even.obj --edge-mm N; softsim-mesh tetrahedralize"
+#define EVENED_OUT "softsim-mesh remesh IN OUT --edge-mm N evens them out"
+
 /* The triangles of a surface decide the step of a network on it, and the tetrahedra beside it when
- * it is filled. */
-static const char *sliver_remedy(const ss_mesh *m)
+ * it is filled. What remesh refuses comes first: what crosses, and what is to be mended. */
+static const char *sliver_remedy(const findings *f)
 {
-    return m->tetrahedron_count > 0
-               ? "even its surface out, and fill it again: softsim-mesh convert IN surface.obj; "
-                 "softsim-mesh remesh surface.obj even.obj --edge-mm N; softsim-mesh tetrahedralize"
-           : m->quad_count > 0
-               ? "give a more even grid"
-               : "the stable step follows the worst: softsim-mesh remesh IN OUT --edge-mm N evens "
-                 "them out";
+    const ss_mesh *m = f->mesh;
+    const bool is_crossing = f->crossing.count > 0;
+    bool is_refused = false;
+    for (int32_t i = 0; i < f->row_count; ++i) {
+        is_refused = is_refused || !f->row[i].is_harmless;
+    }
+    if (m->tetrahedron_count > 0) {
+        return is_crossing ? "once nothing of its surface crosses, even that out, " EVEN_AND_FILL
+                           : "even its surface out, " EVEN_AND_FILL;
+    }
+    return m->quad_count > 0 ? "give a more even grid"
+           : is_crossing ? "the stable step follows the worst: once nothing crosses, " EVENED_OUT
+           : is_refused  ? "the stable step follows the worst: once it is mended (softsim-mesh "
+                           "convert --repair), " EVENED_OUT
+                         : "the stable step follows the worst: " EVENED_OUT;
 }
 
 /* Those that ss_mesh_check has no row for; but for its size they leave a mesh usable, or mendable.
@@ -61,7 +74,7 @@ static void add_own_rows(findings *f)
         {"self_intersection", &f->crossing, "triangles that cross others", "triangle",
          "move them apart in the program that made it (a boolean union, or a remesh by voxels)",
          true, true},
-        {"sliver", &f->quality.sliver, sliver, sliver_where, sliver_remedy(m), true, true},
+        {"sliver", &f->quality.sliver, sliver, sliver_where, sliver_remedy(f), true, true},
         {"joined_node", &f->joined, "vertices on top of others, joined as the file was read", "",
          "merge vertices by distance", true, true},
         {"unused_node", &f->unused, "vertices without a face, left out as the file was read", "",

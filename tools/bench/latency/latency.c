@@ -102,20 +102,32 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
     return error->fault_count > 0 ? SS_ARGS_BAD : result;
 }
 
-/* A file of the bundled scenes, wherever the bench is started from: beside the installed program,
- * or in the source tree that holds its build folder. `store` has PATH_SIZE bytes. */
-static const char *find_bundled(const char *name, char *store)
+typedef struct bundled {
+    const char *name;
+    char *path; /* PATH_SIZE bytes */
+} bundled;
+
+static bool take_bundled(void *context, const char *folder)
 {
-    static const char *const from_program[] = {"../share/softsim/scenes", "../../../server/scenes"};
-    char folder[PATH_SIZE], path[2 * PATH_SIZE];
-    const bool is_known = ss_child_own_folder(folder, sizeof folder);
-    for (int i = 0; is_known && i < 2; ++i) {
-        snprintf(path, sizeof path, "%s/%s/%s", folder, from_program[i], name);
-        if (access(path, R_OK) == 0 && realpath(path, store) != NULL) {
-            return store;
-        }
+    const bundled *b = context;
+    char path[2 * PATH_SIZE];
+    snprintf(path, sizeof path, "%s/%s", folder, b->name);
+    return access(path, R_OK) == 0 && realpath(path, b->path) != NULL;
+}
+
+/* A file of the bundled scenes: of the source tree here or above the program, or as installed
+ * beside it. `store` has PATH_SIZE bytes. */
+static const char *find_bundled(const char *name, const char *option, char *store,
+                                softsim_error *error)
+{
+    static const char *const place[] = {"server/scenes", "share/softsim/scenes", NULL};
+    bundled b = {name, store};
+    store[0] = '\0';
+    ss_child_look_above(place, take_bundled, &b);
+    if (store[0] == '\0') {
+        softsim_error_add(error, SOFTSIM_ERROR_ARGUMENT,
+                          "%s: no bundled %s here or above this program; give one", option, name);
     }
-    snprintf(store, PATH_SIZE, "server/scenes/%s", name);
     return store;
 }
 
@@ -558,10 +570,13 @@ static int run_report(int argc, char **argv)
     int64_t repeat = 0;
     if (parsed == SS_ARGS_RUN) {
         o.seconds = o.seconds > 0.0 ? o.seconds : o.is_quick ? quick_s : standard_s;
-        o.scene = o.scene != NULL ? o.scene : find_bundled("kidney.yaml", scene);
-        o.poses = o.poses != NULL ? o.poses : find_bundled("kidney-poke.lcmlog", poses);
-        check_scene(o.scene, &error);
-        repeat = find_repeat(o.poses, o.seconds + 120.0, &error);
+        o.scene = o.scene != NULL ? o.scene : find_bundled("kidney.yaml", "--scene", scene, &error);
+        o.poses = o.poses != NULL ? o.poses
+                                  : find_bundled("kidney-poke.lcmlog", "--poses", poses, &error);
+        if (o.scene[0] != '\0') {
+            check_scene(o.scene, &error);
+        }
+        repeat = o.poses[0] != '\0' ? find_repeat(o.poses, o.seconds + 120.0, &error) : 0;
         /* What is beside a missing file needs no line of its own. */
         bridge = repeat > 0 ? find_bridge(&o, store, sizeof store, &error) : NULL;
     }

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* SPDX-FileCopyrightText: 2026 the softsim authors */
+/*
+ * A replay to the real daemon beside other senders, and to one that stands still for a while: it is
+ * the log's, or it says why not.
+ */
+#include "common/test.h"
+
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/pose_fixture.h"
+#include "daemon_fixture.h"
+#include "softsim_probe_pose_t.h"
+
+static void expect_exit(int expected)
+{
+    const int status = process_finish(&client);
+    if (status != expected) {
+        fail_msg("replay: %d, not %d: %s%s", status, expected, client.out, client.err);
+    }
+}
+
+/* It says `said`, once, and what it kept is not complete. */
+static void expect_doubt(const char *said, const char *csv)
+{
+    expect_exit(1);
+    const char *at = strstr(client.err, said);
+    if (at == NULL) {
+        fail_msg("no '%s' in: %s", said, client.err);
+    }
+    assert_null(strstr(at + 1, said));
+    assert_int_equal(access(csv, F_OK), -1);
+}
+
+/* The bridge before has not let go: all of the log is played after it has. */
+TEST_WITH(a_replay_waits_for_the_bridge_before, make_folder, tear_down)
+{
+    const char *const csv = in_folder("a.csv");
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim",       "--offset-m",
+                                  "0,0,3",          "--csv",    "/dev/null", NULL};
+    const char *const replay[] = {"softsim-replay", POKE, "--speed", "9", "--csv", csv, NULL};
+    start_daemon(tube(), NULL);
+    watch w;
+    watch_open(&w);
+    process_start(&other, bridge, NULL);
+    while (w.forces == 0) {
+        lcm_handle_timeout(w.lcm, 200);
+    }
+    watch_close(&w);
+    process_start(&client, replay, NULL);
+    assert_true(process_wait_for(&client, "another sender holds probe 0; waits"));
+    process_signal(&other, SIGINT);
+    assert_int_equal(process_finish(&other), 0);
+    expect_exit(0);
+    assert_null(strstr(client.out, "refused"));
+    assert_int_equal(access(csv, F_OK), 0);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+static void count_pose(const lcm_recv_buf_t *buffer, const char *channel, void *user)
+{
+    (void)buffer, (void)channel;
+    ++*(int *)user;
+}
+
+/* Poses of the replay, by one who listens, so many more. */
+static void hear_poses(lcm_t *lcm, const int *poses, int more)
+{
+    const int wanted = *poses + more;
+    while (*poses < wanted && !process_has_ended(&client)) {
+        lcm_handle_timeout(lcm, 200);
+    }
+    assert_true(*poses >= wanted);
+}
+
+/* Two seconds of the log at its own speed, of which nothing is felt. Where the machine held the
+ * replay back meanwhile, it has waited for less, and is played again. */
+TEST_WITH(a_server_that_stood_still_is_told, make_folder, tear_down)
+{
+    const char *const csv = in_folder("a.csv");
+    const char *const replay[] = {"softsim-replay", POKE, "--speed", "2", "--csv", csv, NULL};
+    start_daemon(tube(), NULL);
+    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(lcm);
+    int poses = 0;
+    assert_non_null(lcm_subscribe(lcm, "SOFTSIM_PROBE_0", count_pose, &poses));
+    for (int runs = 0; runs == 0 || client.status == 0; ++runs) {
+        assert_true(runs < 20);
+        process_start(&client, replay, NULL);
+        hear_poses(lcm, &poses, 500);
+        process_signal(&daemon_process, SIGSTOP);
+        hear_poses(lcm, &poses, 4000);
+        process_signal(&daemon_process, SIGCONT);
+        process_finish(&client);
+        if (client.status == 0) {
+            unlink(csv);
+        }
+    }
+    lcm_destroy(lcm);
+    assert_int_equal(client.status, 1);
+    assert_non_null(strstr(client.err, "no answer for "));
+    assert_null(strstr(client.err, "has softsimd ended"));
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* Poses of a sender of one's own, until the replay has ended. */
+static void send_beside(const char *channel, int probe)
+{
+    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(lcm);
+    for (int seq = 1; !process_has_ended(&client); ++seq) {
+        const softsim_probe_pose_t pose = {
+            .sender = 77, .seq = seq, .probe = probe, .position = {0.5, 0.5, 0.5}, PLAIN_POSE};
+        softsim_probe_pose_t_publish(lcm, channel, &pose);
+        lcm_handle_timeout(lcm, 1);
+    }
+    lcm_destroy(lcm);
+}
+
+/* In lockstep each of them is a tick, refused or not: on the log's own probe, and on another. */
+TEST_WITH(ticks_of_others_are_told_by_a_lockstep_replay, make_folder, tear_down)
+{
+    const char *const lockstep[] = {"--lockstep", NULL};
+    const char *const csv = in_folder("a.csv");
+    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", "--csv", csv, NULL};
+    for (int probe = 0; probe < 2; ++probe) {
+        start_daemon(tube(), lockstep);
+        watch w;
+        watch_open(&w);
+        process_start(&client, replay, NULL);
+        while (w.forces == 0 && !process_has_ended(&client)) {
+            lcm_handle_timeout(w.lcm, 200);
+        }
+        watch_close(&w);
+        send_beside(probe == 0 ? "SOFTSIM_PROBE_0" : "SOFTSIM_PROBE_1", probe);
+        expect_doubt("poses of other senders made ", csv);
+        assert_int_equal(stop_daemon(), 0);
+    }
+    /* Without them it is the log's. */
+    start_daemon(tube(), lockstep);
+    if (process_run(&client, replay) != 0) {
+        fail_msg("replay: %s%s", client.out, client.err);
+    }
+    assert_null(strstr(client.err, "ticks"));
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* In real time what is refused harms nobody. */
+TEST_WITH(refused_poses_of_others_harm_no_paced_replay, make_folder, tear_down)
+{
+    const char *const csv = in_folder("a.csv");
+    const char *const replay[] = {"softsim-replay", POKE, "--speed", "9", "--csv", csv, NULL};
+    start_daemon(tube(), NULL);
+    watch w;
+    watch_open(&w);
+    process_start(&client, replay, NULL);
+    while (w.forces == 0 && !process_has_ended(&client)) {
+        lcm_handle_timeout(w.lcm, 200);
+    }
+    watch_close(&w);
+    send_beside("SOFTSIM_PROBE_0", 0);
+    expect_exit(0);
+    assert_int_equal(access(csv, F_OK), 0);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+int main(void)
+{
+    return process_run_tests(NULL, NULL);
+}
