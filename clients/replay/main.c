@@ -266,6 +266,9 @@ static void tell_result(const char *program, const options *o, const ss_replay *
  * there was such a thing. */
 static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_result result)
 {
+    char before[64];
+    snprintf(before, sizeof before, "%.40s: ", program);
+    ss_halt_print(&replay->halt, stderr, before);
     if (replay->changed_seq > 0) {
         fprintf(stderr,
                 "%s: another server answers since pose %" PRId32
@@ -299,7 +302,7 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 1e-6 * (double)replay->played_us);
     }
     return replay->changed_seq > 0 || replay->refused_seq > 0 || replay->gap_seq > 0 ||
-           replay->statistics.other_ticks > 0 || is_cut;
+           replay->statistics.other_ticks > 0 || is_cut || ss_halt_is_seen(&replay->halt);
 }
 
 /* Plays, reports, closes. */
@@ -316,8 +319,8 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
                                           .prefix = o->prefix,
                                           .context = &replay,
                                           .handle_force = ss_replay_take_force,
-                                          .handle_status =
-                                              o->is_lockstep ? ss_replay_take_status : NULL};
+                                          .handle_status = ss_replay_take_status,
+                                          .follows_forces = !o->is_lockstep};
     if (!o->is_lockstep) {
         ss_process_raise_priority(); /* better pacing; does without where it is not allowed */
     }

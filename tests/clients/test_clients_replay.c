@@ -471,6 +471,60 @@ SERVED_TEST(answers_that_are_away_for_long_are_told)
     assert_true(read_csv(in_folder("a.csv.part")) > 0);
 }
 
+/* Zero forces that are no tool's in free space: of a body that stands. */
+SERVED_TEST(a_model_at_fault_is_told)
+{
+    make_log(in_folder("a.lcmlog"), 300, 1);
+    stand_in.fault_from = 100;
+    stand_in.fault_until = INT32_MAX;
+    stand_in.tells_state = true;
+    expect_doubt("the server's model is at fault from pose 100 on (a number is not finite); 201 "
+                 "forces are of it: `softsim-monitor --command reset`",
+                 "--lockstep");
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.fault_from = 1; /* and no status says so */
+    stand_in.fault_until = 51;
+    expect_doubt("the server's model is at fault from pose 1 on; 50 forces are of it: ",
+                 "--lockstep");
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.fault_from = 100;
+    stand_in.fault_until = INT32_MAX;
+    stand_in.tells_state = true;
+    expect_doubt("the server's model is at fault from pose ", NULL);
+    assert_non_null(strstr(child.err, " on (a number is not finite); "));
+}
+
+SERVED_TEST(a_paused_server_is_told)
+{
+    make_log(in_folder("a.lcmlog"), 300, 1);
+    stand_in.pause_from = 60; /* its status follows at 100 */
+    stand_in.pause_until = 160;
+    stand_in.tells_state = true;
+    expect_doubt("the server is paused from pose 60 on; 100 forces are of it: `softsim-monitor "
+                 "--command resume`",
+                 "--lockstep");
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.pause_from = 290; /* said when it is asked at the end */
+    stand_in.pause_until = INT32_MAX;
+    stand_in.tells_state = true;
+    expect_doubt("the server is paused from pose ", NULL);
+}
+
+/* A tool that comes in, or a server that ends, whose statuses say so or not. */
+SERVED_TEST(forces_that_ramp_are_no_pause)
+{
+    const char *log = in_folder("a.lcmlog");
+    const char *const argv[] = {"softsim-replay", log, NULL};
+    make_log(log, 300, 1);
+    for (int i = 0; i < 2; ++i) {
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.is_entering = true;
+        stand_in.tells_state = i == 0;
+        run_served(argv, 0);
+        assert_string_equal(child.err, "");
+    }
+}
+
 SERVED_TEST(poses_refused_for_another_sender_are_told)
 {
     make_log(in_folder("a.lcmlog"), 300, 1);
