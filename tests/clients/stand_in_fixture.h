@@ -52,7 +52,8 @@ typedef struct server {
     int fault_from,
         fault_until; /* answers as one whose model is at fault: number from .. until - 1 */
     int pause_from, pause_until; /* as one that is paused */
-    bool tells_state;            /* sends a status of either in time */
+    bool tells_state;            /* sends a status of either in time, */
+    bool is_state_foreign;       /* as another than who sends the forces */
     bool is_entering;            /* answers as to a tool that has come up inside the tissue */
     bool sends_status;
 
@@ -123,7 +124,7 @@ static inline void publish_state(server *s)
                                             .fault_bits = is_paused(s) ? SOFTSIM_STATUS_PAUSED : 0};
     uint8_t data[2048];
     const int size = softsim_server_status_t_encode(data, 0, sizeof data, &status);
-    lcm_publish(s->lcm, "SOFTSIM_STATUS", data, (unsigned)size);
+    lcm_publish(s->is_state_foreign ? s->next : s->lcm, "SOFTSIM_STATUS", data, (unsigned)size);
 }
 
 static inline void publish_status(server *s)

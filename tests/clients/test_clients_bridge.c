@@ -434,6 +434,24 @@ SERVED_TEST(bridge_tells_that_the_server_is_paused)
     expect_halt("the server is paused", "`softsim-monitor --command resume`");
 }
 
+/* Statuses come from anybody: those of who sends no forces neither let go of the hand nor are
+ * believed. */
+SERVED_TEST(bridge_takes_no_status_of_others)
+{
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
+                                "0,0,0",          "--ticks",  "800", NULL};
+    stand_in.tells_state = stand_in.is_state_foreign = true;
+    run_served(argv, 0);
+    assert_null(strstr(child.err, "two servers"));
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.tells_state = stand_in.is_state_foreign = true;
+    stand_in.fault_from = 300;
+    stand_in.fault_until = INT32_MAX;
+    run_served(argv, 1);
+    assert_non_null(strstr(child.err, "the server's model is at fault "));
+    assert_null(strstr(child.err, "a number is not finite"));
+}
+
 SERVED_TEST(bridge_tells_whose_the_probe_is)
 {
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
