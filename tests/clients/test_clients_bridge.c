@@ -415,12 +415,12 @@ SERVED_TEST(bridge_tells_that_the_model_is_at_fault)
 {
     stand_in.fault_from = 1;
     stand_in.fault_until = INT32_MAX;
-    expect_halt("the server's model is at fault since 0.", "`softsim-monitor --command reset`");
-    assert_non_null(strstr(child.err, " s (a number is not finite), and no force comes"));
+    expect_halt("the server's model is at fault ", "`softsim-monitor --command reset`");
+    assert_non_null(strstr(child.err, " (a number is not finite)"));
     memset(&stand_in, 0, sizeof stand_in);
     stand_in.fault_from = 300;
     stand_in.fault_until = 600;
-    expect_halt("the server's model is at fault since ", "`softsim-monitor --command reset`");
+    expect_halt("the server's model is at fault ", "`softsim-monitor --command reset`");
 }
 
 SERVED_TEST(bridge_tells_that_the_server_is_paused)
@@ -430,7 +430,7 @@ SERVED_TEST(bridge_tells_that_the_server_is_paused)
     expect_halt("the server is paused", "`softsim-monitor --command resume`");
     memset(&stand_in, 0, sizeof stand_in);
     stand_in.pause_from = 300;
-    stand_in.pause_until = 600;
+    stand_in.pause_until = INT32_MAX;
     expect_halt("the server is paused", "`softsim-monitor --command resume`");
 }
 

@@ -504,7 +504,7 @@ SERVED_TEST(a_paused_server_is_told)
                  "--command resume`",
                  "--lockstep");
     memset(&stand_in, 0, sizeof stand_in);
-    stand_in.pause_from = 290; /* said when it is asked at the end */
+    stand_in.pause_from = 230;
     stand_in.pause_until = INT32_MAX;
     stand_in.tells_state = true;
     expect_doubt("the server is paused from pose ", NULL);

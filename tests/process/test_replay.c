@@ -12,6 +12,7 @@
 
 #include "common/pose_fixture.h"
 #include "daemon_fixture.h"
+#include "softsim/status.h"
 #include "softsim_probe_pose_t.h"
 
 static void expect_exit(int expected)
@@ -175,6 +176,21 @@ static void command(const char *name)
     }
 }
 
+static bool is_running(const watch *w)
+{
+    return w->statuses > 0 && (w->status.fault_bits & SOFTSIM_STATUS_PAUSED) == 0;
+}
+
+/* And its statuses say so. */
+static void resume(void)
+{
+    watch w;
+    command("resume");
+    watch_open(&w);
+    watch_until(&w, is_running, "the end of the pause");
+    watch_close(&w);
+}
+
 /* Its forces are zero, as of a tool in free space: from the first on, in real time and in lockstep,
  * or from the middle. */
 TEST_WITH(a_paused_server_is_told_by_a_replay, make_folder, tear_down)
@@ -187,7 +203,7 @@ TEST_WITH(a_paused_server_is_told_by_a_replay, make_folder, tear_down)
     process_start(&client, replay, NULL);
     expect_doubt("the server is paused from pose ", csv);
     assert_non_null(strstr(client.out, "peak 0 N"));
-    command("resume");
+    resume();
     replay[4] = NULL; /* at its own speed */
     process_start(&client, replay, NULL);
     watch w;
@@ -198,7 +214,7 @@ TEST_WITH(a_paused_server_is_told_by_a_replay, make_folder, tear_down)
     watch_close(&w);
     command("pause");
     expect_doubt("the server is paused from pose ", csv);
-    command("resume");
+    resume();
     replay[4] = "--speed";
     process_start(&client, replay, NULL);
     expect_exit(0);
