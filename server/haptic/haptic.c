@@ -40,6 +40,19 @@ static double pose_interval(const ss_haptic *haptic, const softsim_pose *pose, i
     return elapsed > 0.0 ? elapsed : period;
 }
 
+/* When it came, beside its own time, which lockstep does not judge. */
+static void note_timing(ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
+{
+    const double period = haptic->config.period;
+    const int64_t count = (int64_t)pose->seq - haptic->pose.seq;
+    if (!haptic->config.is_lockstep) {
+        ss_motion_time(&haptic->motion, count > 0 && count < SS_WATCHDOG_TICKS ? (int32_t)count : 1,
+                       period * (double)(tick - haptic->pose_tick),
+                       1e-6 * ((double)pose->utime_us - (double)haptic->pose.utime_us),
+                       period * (double)tick - 1e-6 * (double)pose->utime_us);
+    }
+}
+
 static void take_button(ss_haptic *haptic, const softsim_pose *pose, int64_t tick)
 {
     const bool is_down = (pose->buttons & SOFTSIM_BUTTON_GRASP) != 0;
@@ -80,12 +93,8 @@ static void take_pose(ss_haptic *haptic, const softsim_pose *pose, uint32_t epoc
         haptic->holders += is_new_holder;
         ss_motion_rest(&haptic->motion);
     } else {
-        const double elapsed = pose_interval(haptic, pose, tick);
-        ss_motion_take(&haptic->motion, &haptic->pose, pose, elapsed);
-        if (!haptic->config.is_lockstep) {
-            const double tick_us = 1e6 * haptic->config.period * (double)tick;
-            ss_motion_time(&haptic->motion, 1e-6 * (tick_us - (double)pose->utime_us), elapsed);
-        }
+        ss_motion_take(&haptic->motion, &haptic->pose, pose, pose_interval(haptic, pose, tick));
+        note_timing(haptic, pose, tick);
     }
     if (is_new_epoch && !is_new_holder && !haptic->is_returning) {
         haptic->is_returning = true;

@@ -61,17 +61,23 @@ typedef struct ss_motion {
     double turn[3];   /* rad/s, of the tool */
     double speed;     /* m/s, as fast as it was, fading */
     double covered;   /* m/s, of the last two poses */
-    bool is_timed;    /* `usual` is known */
-    double usual;     /* s: how long after the device's time a pose comes when it comes early */
-    double late;      /* s: how much later the last one came */
+    /* When poses come, beside the device's clock: of the last fifty or so. */
+    bool is_timed;
+    double pace;          /* s, between two poses by that clock */
+    double clock_error;   /* s, of it: how far from the pace */
+    double arrival_error; /* s, the same of the ticks that they come in */
+    double usual;         /* s: how long after the device's time a pose comes when it comes early */
+    double late;          /* s: how much later the last one came */
 } ss_motion;
 
 void ss_motion_rest(ss_motion *motion);
 /* A pose `elapsed` s after the `last`. */
 void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_pose *pose,
                     double elapsed);
-/* It came `offset` s after the device's own time. */
-void ss_motion_time(ss_motion *motion, double offset, double elapsed);
+/* The pose, `count` after the last, came `arrival` s after it; by the device's clock it is
+ * `elapsed` s younger, and came `offset` s after its time. */
+void ss_motion_time(ss_motion *motion, int32_t count, double arrival, double elapsed,
+                    double offset);
 void ss_motion_acceleration(const ss_motion *motion, double out[3]);
 
 /* ---- local_contact.c ---- */

@@ -19,6 +19,12 @@
  * The tool's turn goes on at its speed, filtered as v. Without that a capsule that a hand tilts to
  * and fro on a kidney hands out 2 mJ a turn at 100 Hz.
  *
+ * Late poses. The least time from a pose by the device's clock to the tick that takes it is what an
+ * early one needs; a pose that took longer is of so long ago, as far as that clock can be trusted:
+ * by 1 - e_c / e_a, where e_c is how far its poses are from their mean pace by the clock, and e_a
+ * by the ticks that they come in. (A clock that tells steps of 4 to 16 ms has poses late that are
+ * not, and a force that went there and back by 1.3 N.) A lost pose counts in neither.
+ *
  * The constants were chosen by play (softsim-bench felt, test_haptic_loop), not derived. Without a,
  * pokes of 0.1 m/s are felt with two to eight times the difference at 120 Hz; slides on a liver
  * with 0.7 of it.
@@ -32,7 +38,10 @@
 #define TURN_MAX            20.0   /* rad/s */
 #define PREDICT_TURN_MAX    0.2    /* rad */
 #define REST_TIME           0.1    /* s: a hand that stops is not at rest at once */
+#define TIMING_SHARE        0.02   /* of a pose in the means of their timing */
 #define FORGET_EARLY        0.02   /* s/s: so long is a pose early, after one that was */
+#define LATE_MAX            0.05   /* s: later is another clock */
+#define TINY_S              1e-6   /* of no device's clock */
 #define PREDICT_TIME_MAX    0.025  /* s */
 #define PREDICT_MOVE_MAX    0.003  /* m */
 #define ACCELERATION_CORNER 20.0   /* Hz */
@@ -48,7 +57,7 @@ void ss_motion_rest(ss_motion *motion)
     ss_set3(motion->turn, 0.0, 0.0, 0.0);
     motion->speed = motion->covered = 0.0;
     motion->is_timed = false;
-    motion->usual = motion->late = 0.0;
+    motion->late = 0.0;
 }
 
 void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_pose *pose,
@@ -78,12 +87,23 @@ void ss_motion_take(ss_motion *motion, const softsim_pose *last, const softsim_p
     }
 }
 
-void ss_motion_time(ss_motion *motion, double offset, double elapsed)
+void ss_motion_time(ss_motion *motion, int32_t count, double arrival, double elapsed, double offset)
 {
-    const double most = motion->is_timed ? motion->usual + FORGET_EARLY * elapsed : offset;
-    motion->usual = fmin(offset, most);
-    motion->late = offset - motion->usual;
-    motion->is_timed = true;
+    if (!motion->is_timed || fabs(offset - motion->usual) > LATE_MAX) {
+        motion->is_timed = true;
+        motion->pace = elapsed / count;
+        motion->clock_error = motion->arrival_error = motion->late = 0.0;
+        motion->usual = offset;
+        return;
+    }
+    motion->pace += TIMING_SHARE * (elapsed / count - motion->pace);
+    const double due = count * motion->pace;
+    motion->clock_error += TIMING_SHARE * (fabs(elapsed - due) - motion->clock_error);
+    motion->arrival_error += TIMING_SHARE * (fabs(arrival - due) - motion->arrival_error);
+    motion->usual = fmin(offset, motion->usual + FORGET_EARLY * arrival);
+    const double trust =
+        1.0 - motion->clock_error / fmax(motion->arrival_error, motion->clock_error + TINY_S);
+    motion->late = trust * (offset - motion->usual);
 }
 
 void ss_motion_acceleration(const ss_motion *motion, double out[3])

@@ -533,9 +533,9 @@ TEST(absurd_numbers_stay_finite)
     rig_end(&r);
 }
 
-/* The force on a tool that goes in at .3 m/s, each tick; of every five poses the first three come
- * `late` ticks, one and none after they were taken. */
-static void press_late(int64_t late, double out_force[100])
+/* The force on a tool that goes in at .3 m/s, each tick; of every five poses one comes `late` ticks
+ * after it was taken, one half of that; by a clock that tells steps of `step_us`. */
+static void press_late(int64_t late, int64_t step_us, double out_force[100])
 {
     static const int64_t share[5] = {2, 1, 0, 0, 0};
     ss_haptic_config config = default_config();
@@ -549,7 +549,7 @@ static void press_late(int64_t late, double out_force[100])
         for (int64_t k = taken + 1; k <= n; ++k) {
             if (k + (late * share[k % 5] + 1) / 2 <= n) { /* the newest wins, as at the gate */
                 r.pose.seq = (int32_t)k;
-                r.pose.utime_us = 1000 * k;
+                r.pose.utime_us = 1000 * k / step_us * step_us;
                 ss_set3(r.pose.velocity, NAN, NAN, NAN);
                 r.pose.position[2] = 1e-3 - 0.3e-3 * (double)(k > 150 ? k - 150 : 0);
                 come[count++] = r.pose;
@@ -578,13 +578,28 @@ static void press_late(int64_t late, double out_force[100])
 TEST(a_pose_that_comes_late_is_of_its_time)
 {
     double steady[100], late[100], most = 0.0;
-    press_late(0, steady);
-    press_late(2, late);
+    press_late(0, 1, steady);
+    press_late(2, 1, late);
     for (int n = 0; n < 100; ++n) {
         most = fmax(most, fabs(late[n] - steady[n]));
     }
     print_message("%.3g N of %.3g\n", most, steady[99]);
     assert_true(steady[99] > 1.0 && most < 0.01);
+}
+
+/* The clock of a device may tell steps of a few ms: its poses are not late. */
+TEST(a_coarse_clock_makes_no_pose_late)
+{
+    double steady[100], coarse[100], most = 0.0;
+    press_late(0, 1, steady);
+    for (int64_t step_us = 2000; step_us <= 16000; step_us *= 2) {
+        press_late(0, step_us, coarse);
+        for (int n = 0; n < 100; ++n) {
+            most = fmax(most, fabs(coarse[n] - steady[n]));
+        }
+    }
+    print_message("%.3g N of %.3g\n", most, steady[99]);
+    assert_true(most < 0.01);
 }
 
 TEST(nothing_is_sent_before_the_first_pose)
