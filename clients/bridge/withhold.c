@@ -44,3 +44,8 @@ void ss_withholding_step(ss_withholding *w, const ss_speakers *heard, bool is_fe
     const double change = is_kept ? period_s / withhold_s : -period_s / w->take_up_s;
     w->share = fmin(1.0, fmax(0.0, w->share + change));
 }
+
+bool ss_withholding_is_waiting(const ss_withholding *w)
+{
+    return w->was_second && !w->is_trusted && !w->before.are_two;
+}

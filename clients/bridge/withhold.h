@@ -27,7 +27,7 @@
 typedef struct ss_speakers {
     bool has_force;  /* that answers a pose of ours */
     bool are_two;    /* servers, now */
-    int64_t second;  /* messages of others than the one that is listened to */
+    int64_t second;  /* forces that answer us, of others than the one that is listened to */
     int32_t changes; /* times that another took its place */
 } ss_speakers;
 
@@ -46,3 +46,5 @@ void ss_withholding_begin(ss_withholding *withholding);
 /* One period; `is_felt` when a force was exerted in the one before. */
 void ss_withholding_step(ss_withholding *withholding, const ss_speakers *heard, bool is_felt,
                          int64_t now_ns, double period_s);
+/* Is all kept back since another answered too, though two are not known to now? */
+bool ss_withholding_is_waiting(const ss_withholding *withholding);

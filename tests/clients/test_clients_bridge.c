@@ -496,6 +496,51 @@ SERVED_TEST(bridge_takes_no_status_of_others)
     assert_null(strstr(child.err, "a number is not finite"));
 }
 
+/* What another sends beside the server, but no answer to a pose, keeps nothing from the hand. Where
+ * the machine lets the server's answers come late, it presses again. */
+SERVED_TEST(scenes_of_another_leave_the_force)
+{
+    const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0",
+                                "--ticks",        "1500",     "--csv", csv,          NULL};
+    double largest = 0.0;
+    for (int runs = 0; largest < 0.5; ++runs) {
+        assert_true(runs < 20);
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.sends_scenes_beside = true;
+        start_server();
+        const int status = process_run(&child, argv);
+        stop_server();
+        largest = largest_force(status == 0 ? csv : part);
+    }
+}
+
+/* One answer of another, and nothing is felt for two seconds: told once, exit 1, and no file of
+ * that name. Where the machine holds back what tells it, it is asked again. */
+SERVED_TEST(bridge_tells_that_nothing_is_felt)
+{
+    const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0",
+                                "--ticks",        "1500",     "--csv", csv,          NULL};
+    const char *said = NULL;
+    for (int runs = 0; said == NULL; ++runs) {
+        assert_true(runs < 20);
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.beside_at = 5;
+        start_server();
+        const int status = process_run(&child, argv);
+        stop_server();
+        said = strstr(child.err, "nothing is felt: another server answers too");
+        if (said != NULL) {
+            assert_int_equal(status, 1);
+            assert_null(strstr(said + 1, "nothing is felt"));
+            assert_null(strstr(child.err, "touched nothing"));
+            assert_int_equal(access(csv, F_OK), -1);
+            assert_int_equal(count_lines(part, false), 1501);
+        }
+    }
+}
+
 SERVED_TEST(bridge_tells_whose_the_probe_is)
 {
     const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
