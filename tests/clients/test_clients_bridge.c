@@ -326,9 +326,28 @@ SERVED_TEST(bridge_tells_that_forces_stop)
     assert_null(strstr(child.err, "again"));
 }
 
-/* How long forces were away before they came again, as a bridge tells whose server leaves out so
- * many poses; else 0. It exits 1 where that was a second or longer, and what it recorded is not
- * complete then. */
+/* How long forces were away at most before they came again, as the bridge told; -1 where they were
+ * away at its end. */
+static double longest_away(const char *told)
+{
+    double longest_s = 0.0;
+    const char *stopped = NULL, *again = NULL;
+    for (const char *at = told; (at = strstr(at, "forces stopped at")) != NULL; ++at) {
+        stopped = at;
+    }
+    for (const char *at = told; (at = strstr(at, "forces again at")) != NULL; ++at) {
+        double away_s = 0.0;
+        assert_int_equal(sscanf(at, "forces again at %*f s, after %lf s", &away_s), 1);
+        longest_s = fmax(longest_s, away_s);
+        again = at;
+    }
+    assert_true(again == NULL || stopped != NULL);
+    return stopped != NULL && (again == NULL || stopped > again) ? -1.0 : longest_s;
+}
+
+/* The same of a bridge whose server leaves out so many poses. It exits 1 where that was a second or
+ * longer, and what it recorded is not complete then. A machine that holds the server back may add
+ * pauses of its own; one at the end says nothing of this. */
 static double stop_forces(int count)
 {
     const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
@@ -341,13 +360,8 @@ static double stop_forces(int count)
     start_server();
     const int status = process_run(&child, argv);
     stop_server();
-    double away_s = 0.0;
-    const char *said = strstr(child.err, "forces again at");
-    if (said != NULL) {
-        assert_non_null(strstr(child.err, "forces stopped at"));
-        assert_int_equal(sscanf(said, "forces again at %*f s, after %lf s", &away_s), 1);
-    }
-    if (away_s < 0.95 || away_s > 1.05) { /* as it is rounded */
+    const double away_s = longest_away(child.err);
+    if ((away_s >= 0.0 && away_s < 0.95) || away_s > 1.05) { /* as it is rounded */
         assert_int_equal(status, away_s > 1.0);
         assert_int_equal(access(csv, F_OK), away_s > 1.0 ? -1 : 0);
         assert_int_equal(count_lines(away_s > 1.0 ? part : csv, false), 2401);
