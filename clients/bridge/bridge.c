@@ -203,6 +203,15 @@ static void add_damping(const ss_bridge *bridge, double device[3])
     (void)ss_clamp_norm3(device, fmax(size, limit));
 }
 
+/* Once, as soon as stderr takes it, that a contact is not felt: two may be told only later. */
+static void tell_withheld(ss_bridge *bridge)
+{
+    bridge->summary.has_withheld = true;
+    if (!bridge->is_withheld_told) {
+        bridge->is_withheld_told = tell(bridge, "nothing is felt: another server answers too");
+    }
+}
+
 /* Exerts the force in effect for one period, corrected to `pose`, and names it there. */
 static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
 {
@@ -218,6 +227,9 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
         pose->force_seq >= 0 && (bridge->corrector.force.flags & SOFTSIM_FORCE_CONTACT) != 0;
     if (is_contact) {
         add_damping(bridge, device);
+    }
+    if (is_contact && ss_withholding_is_waiting(&bridge->withholding)) {
+        tell_withheld(bridge);
     }
     const double size = ss_norm3(device);
     if (size > bridge->device.max_exerted_n) {
@@ -377,7 +389,7 @@ static ss_speakers read_speakers(const ss_bridge *bridge, const softsim_client *
 {
     return (ss_speakers){.has_force = bridge->summary.forces > 0,
                          .are_two = softsim_client_hears_two(client),
-                         .second = softsim_client_read_counts(client).second,
+                         .second = softsim_client_read_counts(client).second_forces,
                          .changes = softsim_client_server_changes(client)};
 }
 

@@ -61,7 +61,7 @@ typedef struct ss_bridge_summary {
     bool was_inside;    /* the first forces were faded in: the hand began inside the tissue */
     bool has_stopped;   /* forces came, and were away at the end */
     bool has_gap;       /* they were away for a second or longer, and came again */
-    bool has_withheld;  /* two servers were heard */
+    bool has_withheld;  /* two servers were heard, or another kept a contact from the hand */
     ss_halt halt;       /* forces of a server that is at fault or paused */
     int64_t changed_ns; /* another server answers in the first one's place since; 0: none does */
     bool is_complete;   /* ran to its own end, or has none and was stopped */
@@ -95,7 +95,7 @@ typedef struct ss_bridge {
     double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
-    bool is_change_told, is_fault_told, is_pause_told;
+    bool is_change_told, is_fault_told, is_pause_told, is_withheld_told;
     int64_t fault_ns; /* the model is at fault, or late, since; 0: was never */
     ss_withholding withholding;
     ss_bus *poses_out, *forces_in; /* NULL without a server */
@@ -111,7 +111,7 @@ void ss_bridge_fini(ss_bridge *bridge);
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns);
 void ss_bridge_take_status(void *context, const softsim_server_status *status, int64_t receive_ns);
 void ss_bridge_take_scene(void *context, const softsim_scene_report *scene);
-/* Once a period, behind what came in it. */
+/* Once a period, after what came in it. */
 void ss_bridge_watch_servers(ss_bridge *bridge, const ss_speakers *heard, int64_t now_ns);
 /* Runs in real time until the ticks are done, the device ends or a signal comes; false when LCM
  * failed. */

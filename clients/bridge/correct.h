@@ -120,8 +120,8 @@ void ss_corrector_take_force(ss_corrector *corrector, const softsim_force *force
 /* What to exert at `position` from now on. Zero before the first force. */
 void ss_corrector_force(ss_corrector *corrector, int64_t now_ns, const double position[3],
                         double out_force[3]);
-/* Of the force that was told last, only the rest of `share` is exerted: the hand gave no more for
- * it; and where that is nothing, the next begins at zero, whatever this one was. */
+/* `share` of the force returned last was not exerted: the hand gave nothing for it; where that is
+ * all of it, the next begins at zero, whatever this one was. */
 void ss_corrector_withhold(ss_corrector *corrector, double share);
 /* seq of the force in effect, -1 when there is none (yet, or any more). */
 int32_t ss_corrector_force_seq(const ss_corrector *corrector, int64_t now_ns);

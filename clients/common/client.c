@@ -100,6 +100,7 @@ static void receive_force(void *context, const ss_packet *packet)
         ++client->counts.foreign;
     } else if (!ss_origin_take(&client->force_origin, packet->source, now_ns)) {
         ++client->counts.second;
+        ++client->counts.second_forces;
     } else {
         hand_on_raw(client, packet);
         client->config.handle_force(client->config.context, &force, now_ns);

@@ -198,6 +198,10 @@ static int open_new_part(const ss_output *output, const char **out_why)
         close(made); /* to who asked for this very name */
         return -1;
     }
+    if (fstat(made, &found) != 0 || !is_named(output->temporary, &found)) {
+        close(made); /* who held it first has recorded to it, and renamed it */
+        return -1;
+    }
     if (lstat(output->path, &found) == 0) {
         unlink(output->temporary);
         close(made);
@@ -339,9 +343,12 @@ static bool give_name(const ss_output *output)
     if (rename_to_free(output->temporary, output->path)) {
         return true;
     }
-    /* Some file systems know no links either. */
-    return errno != EEXIST && lstat(output->path, &found) != 0 &&
-           rename(output->temporary, output->path) == 0;
+    /* Some file systems know no links either, and do not look whether the name is taken. */
+    if (errno == EEXIST || lstat(output->path, &found) == 0) {
+        errno = EEXIST;
+        return false;
+    }
+    return rename(output->temporary, output->path) == 0;
 }
 
 softsim_status ss_output_commit(ss_output *output, softsim_error *error)
@@ -349,7 +356,8 @@ softsim_status ss_output_commit(ss_output *output, softsim_error *error)
     if (output->file == NULL) {
         return SOFTSIM_OK;
     }
-    bool is_good = write_out(output);
+    const bool is_whole = write_out(output);
+    bool is_good = is_whole;
     if (!is_good && output->is_recording) {
         cut_back(output);
     } else {
@@ -364,7 +372,9 @@ softsim_status ss_output_commit(ss_output *output, softsim_error *error)
         const bool is_kept = output->is_recording && output->temporary != NULL;
         softsim_error_add(error, SOFTSIM_ERROR_FILE, "%s: cannot write: %s%s%s", output->path,
                           ss_files_reason(output->reason != 0 ? output->reason : errno),
-                          is_kept ? "; what was recorded before is in " : "",
+                          !is_kept   ? ""
+                          : is_whole ? "; it is in "
+                                     : "; what was recorded before is in ",
                           is_kept ? output->temporary : "");
         if (!is_kept) {
             remove_temporary(output);

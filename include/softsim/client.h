@@ -60,10 +60,11 @@ typedef struct softsim_client_config {
 
 /* What came in and was not handed on. */
 typedef struct softsim_client_counts {
-    int64_t malformed; /* wrong size, type or channel, values that are not finite */
-    int64_t foreign;   /* forces for other senders */
-    int64_t second;    /* messages of a second server on the prefix */
-    int64_t unsent;    /* poses that LCM could not send */
+    int64_t malformed;     /* wrong size, type or channel, values that are not finite */
+    int64_t foreign;       /* forces for other senders */
+    int64_t second;        /* messages of a second server on the prefix */
+    int64_t unsent;        /* poses that LCM could not send */
+    int64_t second_forces; /* those of `second` that are forces: another answers poses, too */
 } softsim_client_counts;
 
 typedef struct softsim_client softsim_client;

@@ -28,8 +28,7 @@ typedef struct ss_filter {
     const char *const *names;
     int32_t name_count;
     ss_filter_part part;
-    uint32_t
-        longest; /* bytes of a message, behind the NUL of its channel; longer ones are dropped */
+    uint32_t longest; /* bytes of a message, behind its channel's NUL; longer ones are dropped */
 } ss_filter;
 
 /* Attaches the filter to a UDP socket, in place of the one that it has. Where it is not bound yet,

@@ -154,6 +154,28 @@ static bool is_within_scalar(const ss_scene_node *node, size_t at)
     return is_within;
 }
 
+/* Takes out of the line's end, from `from`, the number that was told of the same scalar before, as
+ * `note` tells it. Words may be a user's own: they stay. */
+static bool unmark(rewriter *r, size_t from, size_t *end, const char *note)
+{
+    const size_t begins = (size_t)(strstr(note, "was ") - note) + strlen("was ");
+    for (size_t at = from; at + begins < *end; ++at) {
+        char *behind = NULL;
+        if (memcmp(r->text + at, note, begins) != 0 || is_within_scalar(r->tree.root, at)) {
+            continue;
+        }
+        (void)strtod(r->text + at + begins, &behind);
+        const size_t length = (size_t)(behind - r->text) - at;
+        const char *rest = r->text + at + length;
+        if (length > begins && at + length <= *end &&
+            (at + length == *end || strncmp(rest, "  # ", 4) == 0)) {
+            *end -= length;
+            return splice(r, at, length, "");
+        }
+    }
+    return true;
+}
+
 /* Says at the end of the line what a scalar was that `with` is to replace: comments beside a value
  * are the user's and stay, and where they tell of the old one they are not told of the new. Nothing
  * where no comment can stand, or nothing changes. */
@@ -161,7 +183,7 @@ static bool mark(rewriter *r, const ss_scene_node *node, const char *with)
 {
     const size_t quote = quotes_of(r, node), begin = node->offset - quote;
     const size_t length = node->length + 2 * quote;
-    const size_t end = begin + length + strcspn(r->text + begin + length, "\r\n");
+    size_t end = begin + length + strcspn(r->text + begin + length, "\r\n");
     const size_t line = line_start(r, begin);
     const bool is_first = line + strspn(r->text + line, " -") == node->key_offset;
     char *note = NULL;
@@ -174,7 +196,7 @@ static bool mark(rewriter *r, const ss_scene_node *node, const char *with)
                  r->text + begin) < 0) {
         return fault_memory(r);
     }
-    const bool is_good = splice(r, end, 0, note);
+    const bool is_good = unmark(r, begin + length, &end, note) && splice(r, end, 0, note);
     free(note);
     return is_good;
 }

@@ -21,6 +21,7 @@
 #include "common/folder_fixture.h"
 #include "common/log_fixture.h"
 #include "net/codec.h"
+#include "net/view_wire.h"
 #include "process/process.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
@@ -49,6 +50,8 @@ typedef struct server {
     int held_questions;        /* so many of whose a probe is find that another sender holds it */
     int replaced_from;         /* another server answers from this one on; 0: never */
     int raced_until;           /* a stranger answers earlier ones first, from where `next` speaks */
+    int beside_at;             /* another server answers this one too; 0: none does */
+    bool sends_scenes_beside;  /* from where `next` speaks, one a pose */
     bool is_late;              /* what is muted is answered once the poses have ended */
     int fault_from,
         fault_until; /* answers as one whose model is at fault: number from .. until - 1 */
@@ -160,6 +163,17 @@ static inline void publish_status(server *s)
     lcm_publish(s->lcm, "SOFTSIM_STATUS", data, (unsigned)size);
 }
 
+/* As a viewer on the same host might send again what it has heard. */
+static inline void publish_scene(lcm_t *lcm)
+{
+    const softsim_scene_report scene = {
+        .name = "stand-in.yaml", .model = "linear", .field = "none"};
+    uint8_t data[4096];
+    const int size = ss_view_encode_scene(&scene, data, sizeof data);
+    assert_true(size > 0);
+    lcm_publish(lcm, "SOFTSIM_SCENE", data, (unsigned)size);
+}
+
 /* A replay's before its log begins: a pose with the number 0. */
 static inline void answer_question(server *s, const softsim_pose *pose, int32_t probe)
 {
@@ -249,6 +263,12 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
         publish_force(s, answer, &force);
     } else {
         s->muted = force;
+    }
+    if (s->fresh == s->beside_at) {
+        publish_force_from(s->next, answer, &force);
+    }
+    if (s->sends_scenes_beside && s->fresh > 5) { /* once it is known who answers */
+        publish_scene(s->next);
     }
 }
 

@@ -379,7 +379,7 @@ TEST_WITH(what_came_to_the_name_meanwhile_stays, begin, close_recorder)
     start_with(3);
     write_text(name, "mine");
     stop();
-    assert_non_null(strstr(told, "; what was recorded before is in "));
+    assert_non_null(strstr(told, "; it is in "));
     assert_non_null(strstr(told, "-1.lcmlog.part"));
     assert_non_null(strstr(told, "\"files\": []"));
     read_text(name, kept, sizeof kept);

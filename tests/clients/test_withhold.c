@@ -34,6 +34,7 @@ TEST_WITH(a_force_comes_whole_within_fifty_periods_of_one_server, begin, NULL)
     heard.has_force = true;
     pass(40);
     assert_near(held.share, 1.0, 0.0);
+    assert_false(ss_withholding_is_waiting(&held)); /* for another: as every start */
     pass(5);
     assert_near(held.share, 0.5, 1e-9);
     pass(6);
@@ -50,6 +51,7 @@ TEST_WITH(with_a_second_s_message_it_takes_two_seconds_without_another, begin, N
         ++heard.second;
         pass(100);
         assert_near(held.share, 1.0, 0.0);
+        assert_true(ss_withholding_is_waiting(&held));
     }
     pass(1900);
     assert_near(held.share, 1.0, 0.0);
@@ -57,6 +59,7 @@ TEST_WITH(with_a_second_s_message_it_takes_two_seconds_without_another, begin, N
     assert_near(held.share, 0.5, 1e-2); /* in half a second: the hand may be anywhere by now */
     pass(251);
     assert_near(held.share, 0.0, 1e-9);
+    assert_false(ss_withholding_is_waiting(&held));
 }
 
 TEST_WITH(a_message_before_the_first_force_is_a_second_s_too, begin, NULL)

@@ -52,8 +52,7 @@ TEST(obj_of_quads_with_normals_comments_and_materials_is_one_closed_cube)
 
 TEST(obj_numbers_and_digits_are_those_of_the_file)
 {
-    /* Triangles use the vertices backwards; the third is used by none, the last lies on the first.
-     */
+    /* Used backwards; the third vertex is used by none, the last lies on the first. */
     ss_mesh *m = load(write_text("order.obj", "v 0.12345678901234567 0 0\nv 1 0 0\nv 9 9 9\n"
                                               "v 0 1 0\nv 0 0 1\nv 0.12345678901234567 -0 0\n"
                                               "f 5 4 2\nf 4 5 6\nf 1 2 4\nf 5 2 1\n"),
@@ -711,10 +710,9 @@ TEST(kidney_has_a_hollow_and_neighbours_near_in_memory)
 TEST(grids_have_rows_columns_and_alternating_diagonals)
 {
     char out[1024];
-    assert_int_equal(run(TOOL "generate cylinder --rows 15 --columns 24 --radius-m 1 --length-m 4 "
-                              "--out c.obj",
-                         out, sizeof out),
-                     0);
+    static const char cylinder[] =
+        TOOL "generate cylinder --rows 15 --columns 24 --radius-m 1 --length-m 4 --out c.obj";
+    assert_int_equal(run(cylinder, out, sizeof out), 0);
     ss_mesh *m = load(in_folder("c.obj"), 1.0);
     ss_mesh_report r;
     (void)ss_mesh_check(m, &r);
@@ -741,10 +739,9 @@ TEST(grids_have_rows_columns_and_alternating_diagonals)
     }
     ss_mesh_destroy(&m);
 
-    assert_int_equal(run(TOOL "generate plane --rows 5 --columns 9 --width-m 0.2 --units mm "
-                              "--out p.msh",
-                         out, sizeof out),
-                     0);
+    static const char plane[] =
+        TOOL "generate plane --rows 5 --columns 9 --width-m 0.2 --units mm --out p.msh";
+    assert_int_equal(run(plane, out, sizeof out), 0);
     m = load(in_folder("p.msh"), 0.001);
     (void)ss_mesh_check(m, &r);
     assert_int_equal(m->node_count, 45);

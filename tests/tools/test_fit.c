@@ -590,7 +590,7 @@ TEST(the_program_writes_the_scene_with_its_origin)
     assert_non_null(value);
     assert_near(strtod(value + 14, NULL), 11.0, 0.01);
     assert_non_null(strstr(value, "   # guessed  # was "));
-    assert_non_null(strstr(text, "# The comments below are of the scene before the fit: "));
+    assert_non_null(strstr(text, "# The comments below describe the scene before the fit; "));
     read_text("fitted.csv", text, sizeof text);
     assert_ptr_equal(strstr(text, "curve,at,force_n,fitted_n\n0,0.002,"), text);
 }

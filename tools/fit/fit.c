@@ -301,7 +301,7 @@ static void tell_contact(const ss_curve *curve, const ss_press *press, double su
     if (sunk > SUNK_SHARE * press->depth) {
         ss_say(
             t,
-            "%s: the contact is soft for this tissue: the tool sinks %.3g mm into it, %.2g %% of "
+            "%s: the contact is soft for this tissue: the tool sinks %.3g mm into it, %.0f %% of "
             "the depth; what is found makes up for that and is too stiff; raise "
             "contact.stiffness_n_per_m3 (or contact.working_force_n)",
             curve->path, 1e3 * sunk, 100.0 * sunk / press->depth);

@@ -290,10 +290,9 @@ static char *compose(const fit_options *o, const ss_fit *fit, bool is_found, sof
         if (is_found) {
             ss_fit_tell(fit, to_comment, stream);
         }
-        fputs(
-            "# The comments below are of the scene before the fit: forces, steps and sources that\n"
-            "# they tell are of its values, not of those that are marked \"was\" or new.\n",
-            stream);
+        fputs("# The comments below describe the scene before the fit; values marked \"was\" are "
+              "new.\n",
+              stream);
         fputs(text, stream);
         fclose(stream);
         /* What is written must be a scene, and the same one. */
