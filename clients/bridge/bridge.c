@@ -231,10 +231,9 @@ static void exert(ss_bridge *bridge, int64_t now_ns, softsim_pose *pose)
     if (is_contact && ss_withholding_is_waiting(&bridge->withholding)) {
         tell_withheld(bridge);
     }
-    const double size = ss_norm3(device);
-    if (size > bridge->device.max_exerted_n) {
-        ss_scale3(device, device, bridge->device.max_exerted_n / size);
-    }
+    const double most =
+        bridge->most_n > 0.0 ? bridge->frame.force_scale * bridge->most_n : INFINITY;
+    (void)ss_clamp_norm3(device, fmin(bridge->device.max_exerted_n, most));
     note_place(&bridge->summary, pose->position);
     ss_copy3(bridge->device_force, device);
     ss_frame_force_to_world(&bridge->frame, device, bridge->applied_world);
@@ -288,10 +287,14 @@ void ss_bridge_take_status(void *context, const softsim_server_status *status, i
 
 void ss_bridge_take_scene(void *context, const softsim_scene_report *scene)
 {
-    ss_corrector_limits *limits = &((ss_bridge *)context)->corrector.limits;
+    ss_bridge *bridge = context;
+    ss_corrector_limits *limits = &bridge->corrector.limits;
     const double slew = ss_parameter_of(scene, "haptic.max_slew_n_per_s");
     limits->force_n = ss_parameter_of(scene, "haptic.max_force_n");
     limits->slew_n_per_s = slew >= least_slew_n_per_s ? slew : usual_slew_n_per_s;
+    if (!(bridge->most_n > 0.0)) {
+        bridge->most_n = ss_parameter_most(scene, "haptic.max_force_n");
+    }
 }
 
 /* Another sender holds the probe: its zero force stops what was felt, but is no force of ours. */

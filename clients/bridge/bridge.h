@@ -18,7 +18,9 @@
  * A server that is at fault or paused is waited for; stderr says so once when it begins, and the
  * run is not all felt (halt.h).
  * The force is withheld until who answers has been alone for 40 ms, and while two servers answer
- * (withhold.h). Limits are those of the server whose forces come: another's are forgotten.
+ * (withhold.h). Limits are those of the server whose forces come: another's are forgotten, but for
+ * the most that the first one's scene allows, which holds until the bridge ends: who lurks until a
+ * server falls silent brings limits of its own.
  * Thread: one, main. Nothing is allocated while it runs but the texts of a status; rows of the CSV
  * go into a large buffer, whose writing out once a second is the one thing that may cost a period.
  */
@@ -98,6 +100,7 @@ typedef struct ss_bridge {
     bool is_change_told, is_fault_told, is_pause_told, is_withheld_told;
     int64_t fault_ns; /* the model is at fault, or late, since; 0: was never */
     ss_withholding withholding;
+    double most_n; /* that the first server's scene lets any force have; 0: not told yet */
     ss_bus *poses_out, *forces_in; /* NULL without a server */
     ss_bridge_summary summary;
 } ss_bridge;

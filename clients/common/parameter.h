@@ -9,3 +9,5 @@
 /* The value of `path` ("haptic.max_force_n") as the server has it now, in its unit; 0 where it
  * does not say, or says no finite number above zero. */
 double ss_parameter_of(const softsim_scene_report *scene, const char *path);
+/* The most that a command may set it to, likewise. */
+double ss_parameter_most(const softsim_scene_report *scene, const char *path);

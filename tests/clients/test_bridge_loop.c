@@ -112,6 +112,32 @@ TEST(limits_are_forgotten_when_another_server_has_been_taken)
     ss_bridge_fini(&bridge);
 }
 
+/* 10 N at 5 mm; the first server's scene allows 8, one in its place 1000, and tells it. */
+TEST(no_other_server_raises_the_most_that_is_exerted)
+{
+    static ss_bridge bridge;
+    static const char *const told[] = {"haptic.max_force_n=3 0.1 8 N",
+                                       "haptic.max_force_n=900 0 1000 N"};
+    stroke done = {0};
+    softsim_error error = {.status = SOFTSIM_OK};
+    ss_frame frame;
+    const ss_device device = {.state = &done,
+                              .period_s = 1e-3,
+                              .max_exerted_n = 20.0,
+                              .read = read_stroke,
+                              .exert = exert_stroke};
+    const ss_bridge_config config = {.tick_count = 100};
+    ss_frame_init(&frame, "x,y,z", "0,0,0", 1.0, 1.0, &error);
+    assert_int_equal(ss_bridge_init(&bridge, &config, &frame, &device, &error), SOFTSIM_OK);
+    for (int i = 0; i < 2; ++i) {
+        const softsim_scene_report scene = {.parameter_count = 1, .parameter = {told[i]}};
+        ss_bridge_take_scene(&bridge, &scene);
+    }
+    ss_bridge_run_linear(&bridge, 2000.0, 0);
+    ss_bridge_fini(&bridge);
+    assert_near(done.most, 8.0, 1e-12);
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);
