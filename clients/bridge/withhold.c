@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-static const int64_t wait_ns = 40000000, wait_after_second_ns = 2000000000;
+static const int64_t wait_ns = 40000000, wait_after_other_ns = 2000000000;
 static const double withhold_s = 0.02, begin_s = 0.01, return_s = 0.5;
 
 void ss_withholding_begin(ss_withholding *withholding)
@@ -24,7 +24,8 @@ static bool wait_alone(ss_withholding *w, const ss_speakers *heard, int64_t now_
         return false;
     }
     w->alone_since_ns = w->alone_since_ns == 0 ? now_ns : w->alone_since_ns;
-    return now_ns - w->alone_since_ns >= (w->was_second ? wait_after_second_ns : wait_ns);
+    const bool was_other = w->was_second || heard->changes > 0;
+    return now_ns - w->alone_since_ns >= (was_other ? wait_after_other_ns : wait_ns);
 }
 
 void ss_withholding_step(ss_withholding *w, const ss_speakers *heard, bool is_felt, int64_t now_ns,
@@ -34,7 +35,7 @@ void ss_withholding_step(ss_withholding *w, const ss_speakers *heard, bool is_fe
         w->is_trusted = w->was_second = false;
         w->before.second = heard->second; /* its own, while it was the second */
         w->alone_since_ns = 0;
-        w->take_up_s = begin_s;
+        w->take_up_s = return_s;
         w->share = is_felt ? w->share : 1.0; /* what is on its way from the one before fades */
     }
     w->is_trusted = w->is_trusted || wait_alone(w, heard, now_ns);

@@ -9,9 +9,10 @@
  * could exert what the device can, whatever limit the server holds, and be gone. So nothing is felt
  * until 40 ms after the first force no other has answered, in which a server that is there does so
  * forty times; then the force comes in 10 ms. A start loses nothing by it: a hand outside feels
- * nothing yet, and one inside is let in by the server in half a second. Who is taken in the place
- * of a server that fell silent has to be alone as long. One force of a second server, and it
- * takes 2 s without another: who holds the probe against the bridge makes the server answer seldom.
+ * nothing yet, and one inside is let in by the server in half a second. With one force of a second
+ * server before that it takes 2 s without another: who holds the probe against the bridge makes the
+ * server answer seldom. So it does for who is taken in the place of a server that fell silent,
+ * which may have been stopped for a moment: 40 ms gave the hand .2 J of whoever lurked.
  *
  * While two are known to answer the force goes to zero in 20 ms, and comes back in 500 ms when one
  * is left: no hand shall feel now one body, now the other.

@@ -88,7 +88,7 @@ TEST_WITH(while_two_answer_the_force_goes_and_comes_slowly, begin, NULL)
     assert_near(held.share, 0.5, 1e-9);
 }
 
-TEST_WITH(another_in_its_place_is_alone_as_long_first, begin, NULL)
+TEST_WITH(another_in_its_place_is_alone_for_two_seconds_first, begin, NULL)
 {
     heard.has_force = true;
     pass(100);
@@ -96,9 +96,10 @@ TEST_WITH(another_in_its_place_is_alone_as_long_first, begin, NULL)
     heard.second += 100; /* what it said before it was taken */
     ss_withholding_step(&held, &heard, false, 1000000LL * now_ms++, 1e-3);
     assert_near(held.share, 1.0, 0.0);
-    pass(39);
+    pass(1999);
     assert_near(held.share, 1.0, 0.0);
-    pass(11);
+    assert_false(ss_withholding_is_waiting(&held));
+    pass(501);
     assert_near(held.share, 0.0, 1e-9);
     ++heard.changes; /* the force of the one before is still on its way to the hand */
     pass(10);
