@@ -102,9 +102,13 @@ static bool is_there(const ss_prefix_hand *hand, int64_t now_ns)
     return hand->seen_ns != 0 && now_ns - hand->seen_ns <= HELD_NS;
 }
 
-void ss_prefix_owner_note_pose(ss_prefix_owner *owner, const softsim_pose *pose, int64_t now_ns)
+void ss_prefix_owner_note_pose(ss_prefix_owner *owner, int32_t probe, const softsim_pose *pose,
+                               int64_t now_ns)
 {
-    ss_prefix_hand *hand = &owner->hand[pose->probe];
+    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES) {
+        return;
+    }
+    ss_prefix_hand *hand = &owner->hand[probe];
     if (hand->seen_ns == 0 || hand->sender != pose->sender) {
         hand->sender = pose->sender;
         hand->is_ours = pose->force_seq <= 0;

@@ -42,8 +42,9 @@ typedef struct ss_prefix_owner {
     int64_t next_shutdown_ns; /* --takeover: when the other may be told again */
     ss_prefix_hand hand[SOFTSIM_MAX_PROBES];
 } ss_prefix_owner;
-/* Takes an accepted pose; its probe is one. */
-void ss_prefix_owner_note_pose(ss_prefix_owner *owner, const softsim_pose *pose, int64_t now_ns);
+/* Takes an accepted pose on the channel of `probe`; what the pose itself names is not looked at. */
+void ss_prefix_owner_note_pose(ss_prefix_owner *owner, int32_t probe, const softsim_pose *pose,
+                               int64_t now_ns);
 /* False when this server must give way, with a line in `error`. */
 bool ss_prefix_owner_hold(ss_prefix_owner *owner, ss_net *net, const ss_options *options,
                           softsim_error *error);
