@@ -83,6 +83,7 @@ static void handle_pose(void *context, const softsim_pose *pose, int32_t channel
     ss_loops *loops = context;
     ss_world *world = loops->world;
     if (!loops->is_open) {
+        ss_prefix_owner_note_early(&loops->prefix_owner, channel, pose);
         return;
     }
     if (loops->options->lockstep) {
