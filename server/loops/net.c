@@ -113,8 +113,9 @@ static void handle_pose(void *context, const softsim_pose *pose, int32_t channel
 static void handle_refusal(void *context, softsim_refusal reason, int32_t channel)
 {
     ss_loops *loops = context;
-    (void)channel;
-    if (loops->is_open) {
+    if (loops->is_open && channel < 0) {
+        ss_gate_refuse_command(loops->world->gate);
+    } else if (loops->is_open) {
         ss_gate_refuse(loops->world->gate, reason);
     }
 }

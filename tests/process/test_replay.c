@@ -148,6 +148,32 @@ TEST_WITH(ticks_of_others_are_told_by_a_lockstep_replay, make_folder, tear_down)
     assert_int_equal(stop_daemon(), 0);
 }
 
+/* Commands are no poses, be they none at all or too many to answer. */
+TEST_WITH(refused_commands_are_no_ticks, make_folder, tear_down)
+{
+    static const uint8_t none[64];
+    const softsim_command_t unknown = {.sender = 77, .id = 1, .name = "unknown", .argument = ""};
+    const char *const lockstep[] = {"--lockstep", NULL};
+    const char *const csv = in_folder("a.csv");
+    const char *const replay[] = {"softsim-replay", POKE, "--lockstep", "--csv", csv, NULL};
+    start_daemon(tube(), lockstep);
+    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(lcm);
+    int poses = 0;
+    assert_non_null(lcm_subscribe(lcm, "SOFTSIM_PROBE_0", count_pose, &poses));
+    process_start(&client, replay, NULL);
+    hear_poses(lcm, &poses, 200);
+    for (int i = 0; i < 20; ++i) {
+        lcm_publish(lcm, "SOFTSIM_COMMAND", none, sizeof none);
+        lcm_publish(lcm, "SOFTSIM_COMMAND", none, 1);
+        softsim_command_t_publish(lcm, "SOFTSIM_COMMAND", &unknown);
+    }
+    lcm_destroy(lcm);
+    expect_exit(0);
+    assert_null(strstr(client.err, "ticks"));
+    assert_int_equal(stop_daemon(), 0);
+}
+
 /* In real time what is refused harms nobody. */
 TEST_WITH(refused_poses_of_others_harm_no_paced_replay, make_folder, tear_down)
 {
