@@ -20,6 +20,7 @@ static const double least_slew_n_per_s = 10.0;   /* that a server takes */
 static const double usual_slew_n_per_s = 2000.0; /* until it has told its own */
 static const int64_t away_ns = 250000000;        /* without a force: they have stopped */
 static const int64_t long_ns = 1000000000;       /* and what was recorded has a gap */
+static const int64_t unclear_ns = 600000000;     /* in which two statuses come */
 enum {
     FIRST_FORCES = 100, /* in which a start inside the tissue shows */
     LATE_FORCES = 100   /* a force numbered lower by more is of a server that was started again */
@@ -31,7 +32,8 @@ const char ss_bridge_csv_server_header[] =
     COLUMNS ",time_s,probe,ow,ox,oy,oz,buttons,depth_m,indentation_m\n";
 const char ss_bridge_csv_help[] =
     "one row per period; SI units, world frame; written to OUT.csv.part once a\n"
-    "second, and OUT.csv when complete; softsim-replay plays it again:\n"
+    "second, and OUT.csv when complete: one server, neither paused nor at fault,\n"
+    "was felt to the end; softsim-replay plays it again:\n"
     "  tick           number of the period\n"
     "  x,y,z          where the device is\n"
     "  vx,vy,vz       its velocity\n"
@@ -83,7 +85,7 @@ __attribute__((format(printf, 2, 3))) static bool tell(const ss_bridge *bridge, 
     if (bridge->config.program == NULL || !ss_program_can_tell()) {
         return false;
     }
-    char text[256];
+    char text[512];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
@@ -253,7 +255,7 @@ static void forget_limits(ss_bridge *bridge)
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns)
 {
     ss_bridge *bridge = context;
-    if (force->probe != bridge->config.probe) {
+    if (force->probe != bridge->config.probe || bridge->is_over) {
         return;
     }
     if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
@@ -264,6 +266,12 @@ void ss_bridge_take_force(void *context, const softsim_force *force, int64_t rec
         bridge->heard_ns = receive_ns;
     }
     bridge->summary.lost += !ss_bus_send(bridge->forces_in, receive_ns, force);
+}
+
+void ss_bridge_take_status(void *context, const softsim_server_status *status, int64_t receive_ns)
+{
+    (void)receive_ns;
+    ss_halt_take_status(&((ss_bridge *)context)->summary.halt, status);
 }
 
 void ss_bridge_take_scene(void *context, const softsim_scene_report *scene)
@@ -311,6 +319,7 @@ static void note_force(ss_bridge *bridge, const softsim_force *force, int64_t ar
     bridge->depth = (force->flags & SOFTSIM_FORCE_CONTACT) != 0 ? force->depth : 0.0;
     bridge->indented =
         ss_indentation_take(&bridge->indentation, force, sent_position(bridge, force->pose_seq));
+    ss_halt_take_force(&summary->halt, force, force->pose_seq > bridge->answered_seq);
     summary->was_inside |= summary->forces <= FIRST_FORCES && summary->others == 0 &&
                            force->depth > 0.0 && (force->flags & SOFTSIM_FORCE_RAMPING) != 0;
     if (force->pose_seq > bridge->answered_seq && force->pose_seq <= bridge->seq) {
@@ -386,6 +395,31 @@ static void tell_change(ss_bridge *bridge)
     }
 }
 
+/* The same of a server that is at fault or paused: the hand may wait for its reset. Why, a status
+ * tells, which is asked for. */
+static void note_halt(ss_bridge *bridge, softsim_client *client, int64_t now_ns)
+{
+    const ss_halt *halt = &bridge->summary.halt;
+    if (halt->fault_seq != 0 && bridge->fault_ns == 0) {
+        bridge->fault_ns = now_ns;
+        (void)softsim_client_send_command(client, "status", "");
+    }
+    if (bridge->fault_ns != 0 && !bridge->is_fault_told &&
+        (ss_halt_is_clear(halt) || now_ns - bridge->fault_ns > unclear_ns)) {
+        const bool has_reason = halt->reason[0] != '\0';
+        bridge->is_fault_told =
+            tell(bridge, "the server's model is %s since %.1f s%s%s%s, and no force comes: %s",
+                 ss_halt_name(halt), 1e-9 * (double)(bridge->fault_ns - bridge->start_ns),
+                 has_reason ? " (" : "", halt->reason, has_reason ? ")" : "", ss_halt_cure(halt));
+    }
+    if (halt->pause_seq != 0 && !bridge->is_pause_told) {
+        bridge->is_pause_told = tell(bridge,
+                                     "the server is paused at %.1f s, and no force comes: "
+                                     "`softsim-monitor --command resume`",
+                                     1e-9 * (double)(now_ns - bridge->start_ns));
+    }
+}
+
 /* Is the run over? One that has an end of its own is complete only there. */
 static bool is_over(ss_bridge *bridge)
 {
@@ -456,6 +490,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
         const ss_speakers heard = read_speakers(bridge, client);
         ss_bridge_watch_servers(bridge, &heard, now_ns);
         tell_change(bridge);
+        note_halt(bridge, client, now_ns);
         if (bridge->wants_scene) {
             bridge->wants_scene = false;
             (void)softsim_client_send_command(client, "refresh", "");
@@ -463,6 +498,8 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
         if (is_over(bridge)) {
             close_summary(bridge);
             let_go(bridge);
+            bridge->is_over = true;
+            ss_halt_ask(&bridge->summary.halt, client);
             return true;
         }
         softsim_pose pose;

@@ -15,10 +15,12 @@
  * have long faded by then (correct.h). A server that is started again, or another in its place, is
  * taken up, its force as it ramps it in; stderr says so, and the run is not of one body. One whose
  * forces were away for a second is not all felt.
+ * A server that is at fault or paused is waited for; stderr says so once when it begins, and the
+ * run is not all felt (halt.h).
  * The force is withheld until who answers has been alone for 40 ms, and while two servers answer
  * (withhold.h). Limits are those of the server whose forces come: another's are forgotten.
- * Thread: one, main. Nothing is allocated while it runs; rows of the CSV go into a large buffer,
- * whose writing out once a second is the one thing that may cost a period.
+ * Thread: one, main. Nothing is allocated while it runs but the texts of a status; rows of the CSV
+ * go into a large buffer, whose writing out once a second is the one thing that may cost a period.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -28,6 +30,7 @@
 #include "correct.h"
 #include "device.h"
 #include "frame.h"
+#include "halt.h"
 #include "indentation.h"
 #include "output.h"
 #include "softsim/client.h"
@@ -59,6 +62,7 @@ typedef struct ss_bridge_summary {
     bool has_stopped;   /* forces came, and were away at the end */
     bool has_gap;       /* they were away for a second or longer, and came again */
     bool has_withheld;  /* two servers were heard */
+    ss_halt halt;       /* forces of a server that is at fault or paused */
     int64_t changed_ns; /* another server answers in the first one's place since; 0: none does */
     bool is_complete;   /* ran to its own end, or has none and was stopped */
     /* Places that the tool was at: every `way_every`-th period's, thinned out when there is no more
@@ -76,22 +80,23 @@ typedef struct ss_bridge {
 
     /* state */
     ss_corrector corrector;
-    int32_t seq;      /* of the last pose */
-    bool is_served;   /* against a server, */
-    bool wants_scene; /* whose limits are not known */
-    bool has_sample;
-    ss_device_sample sample; /* of the present tick */
-    double velocity[3];      /* device frame, below 50 Hz */
-    double device_force[3];  /* exerted since the last tick */
-    double applied_world[3]; /* the same, world axes */
-    int32_t answered_seq;    /* of the newest pose that was answered */
-    int32_t force_seq;       /* of the force that came last, */
-    int64_t heard_ns;        /* and when, before the simulated bus; 0: none has */
+    int32_t seq;              /* of the last pose */
+    bool is_served;           /* against a server, */
+    bool wants_scene;         /* whose limits are not known */
+    bool has_sample, is_over; /* over: no force is taken any more */
+    ss_device_sample sample;  /* of the present tick */
+    double velocity[3];       /* device frame, below 50 Hz */
+    double device_force[3];   /* exerted since the last tick */
+    double applied_world[3];  /* the same, world axes */
+    int32_t answered_seq;     /* of the newest pose that was answered */
+    int32_t force_seq;        /* of the force that came last, */
+    int64_t heard_ns;         /* and when, before the simulated bus; 0: none has */
     ss_indentation indentation;
     double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
-    bool is_change_told;
+    bool is_change_told, is_fault_told, is_pause_told;
+    int64_t fault_ns; /* the model is at fault, or late, since; 0: was never */
     ss_withholding withholding;
     ss_bus *poses_out, *forces_in; /* NULL without a server */
     ss_bridge_summary summary;
@@ -104,6 +109,7 @@ void ss_bridge_fini(ss_bridge *bridge);
 
 /* Callbacks of the client; `context` is the ss_bridge. */
 void ss_bridge_take_force(void *context, const softsim_force *force, int64_t receive_ns);
+void ss_bridge_take_status(void *context, const softsim_server_status *status, int64_t receive_ns);
 void ss_bridge_take_scene(void *context, const softsim_scene_report *scene);
 /* Once a period, behind what came in it. */
 void ss_bridge_watch_servers(ss_bridge *bridge, const ss_speakers *heard, int64_t now_ns);

@@ -70,14 +70,14 @@ static bool displacement(const ss_corrector *corrector, int64_t now_ns, const do
 
 /* Across the normal: what a normal force holds, at a coefficient of friction of 1, and has `share`
  * of left, and what it does not. */
-static void correct_across(double held_n, double share, double stiffness, const double moved[3],
+static void correct_across(double holds_n, double share, double stiffness, const double moved[3],
                            double inout_force[3])
 {
     const double size = ss_norm3(inout_force);
     if (!(size > 0.0)) {
         return;
     }
-    const double held = fmin(size, held_n);
+    const double held = fmin(size, holds_n);
     const double given = stiffness * fmax(0.0, ss_dot3(inout_force, moved) / size);
     const double beyond = fmax(0.0, size - held - given);
     ss_scale3(inout_force, inout_force, (held * share + beyond) / size);
@@ -101,12 +101,17 @@ static void correct(const softsim_force *force, const double moved[3], double ou
 }
 
 /* What a grasp held is corrected otherwise as soon as the grasp has ended: what that changes comes
- * in give_back_s. */
+ * in give_back_s. Not where another holds the probe, which ends at once, nor after a silence, in
+ * which all has gone. */
 static void soften_end(ss_corrector *corrector, double elapsed_s, double force[3])
 {
+    const bool is_over = (corrector->force.flags & SOFTSIM_FORCE_OTHER_SENDER) != 0;
     const bool is_grasping = (corrector->force.flags & SOFTSIM_FORCE_GRASPING) != 0;
-    if (corrector->was_grasping && !is_grasping) {
-        ss_sub3(corrector->left, corrector->undamped, force);
+    if (is_over || corrector->present <= 0.0) {
+        ss_set3(corrector->left, 0.0, 0.0, 0.0);
+    } else if (corrector->was_grasping && !is_grasping) {
+        ss_scale3(corrector->left, corrector->undamped, corrector->present);
+        ss_sub3(corrector->left, corrector->left, force);
     }
     corrector->was_grasping = is_grasping;
     ss_scale3(corrector->left, corrector->left, exp(-elapsed_s / give_back_s));

@@ -259,15 +259,29 @@ static void report(const ss_bridge_summary *s, bool is_linear)
                s->latency_sum_us / (s->answered > 0 ? (double)s->answered : 1.0),
                s->max_latency_us);
     }
+    ss_halt_print(&s->halt, stdout, "halt        ");
     ss_bridge_print_peak(s, is_linear, stdout);
     printf("contact     %.1f %% of the time\n", 100.0 * (double)s->contact_ticks / ticks);
     printf("energy in   %.6g J\n", s->energy_in_j);
 }
 
-/* Were all forces one server's, and never away for long? */
+/* Were all forces those of one server's body, never away for long, and there at the end? */
 static bool is_whole(const ss_bridge_summary *summary)
 {
-    return !summary->has_withheld && summary->changed_ns == 0 && !summary->has_gap;
+    return !summary->has_withheld && summary->changed_ns == 0 && !summary->has_gap &&
+           !summary->has_stopped && !ss_halt_is_seen(&summary->halt);
+}
+
+/* What the loop could not tell: its end came first, or stderr had no room. */
+static void tell_halt(const char *program, const ss_bridge *bridge)
+{
+    const ss_halt *halt = &bridge->summary.halt;
+    if ((halt->fault_seq != 0 && !bridge->is_fault_told) ||
+        (halt->pause_seq != 0 && !bridge->is_pause_told)) {
+        char before[64];
+        snprintf(before, sizeof before, "%.40s: ", program);
+        ss_halt_print(halt, stderr, before);
+    }
 }
 
 /* Runs the bridge in real time. An exit status. */
@@ -279,6 +293,8 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
                                           .prefix = o->prefix,
                                           .context = bridge,
                                           .handle_force = ss_bridge_take_force,
+                                          .handle_status = ss_bridge_take_status,
+                                          .follows_forces = true,
                                           .handle_scene = ss_bridge_take_scene};
     if (!ss_process_raise_priority()) {
         fprintf(stderr, "%s: SCHED_FIFO is not allowed here; periods may come late\n", program);
@@ -297,6 +313,8 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
                 bridge->summary.other_s);
     } else if (bridge->summary.forces == 0) {
         ss_silence_explain(program, &config, (int32_t)o->probe, "no force came");
+    } else if (ss_halt_is_seen(&bridge->summary.halt)) {
+        tell_halt(program, bridge);
     } else if (o->kind->is_hand && bridge->summary.was_inside) {
         fprintf(stderr,
                 "%s: the hand started inside the tissue, so its first half second was faded in; "
@@ -307,10 +325,10 @@ static int run_connected(const char *program, const options *o, ss_bridge *bridg
         tell_miss(program, &config, (int32_t)o->probe, &bridge->summary);
     }
     const ss_bridge_summary *s = &bridge->summary;
-    return is_good && s->forces > 0 && !s->has_stopped && is_whole(s) ? EXIT_SUCCESS : EXIT_FAILURE;
+    return is_good && s->forces > 0 && is_whole(s) ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-/* A recording has its own name only when it is complete, of one server, without a gap. */
+/* A recording has its own name only when it is complete, of one server's body, without a gap. */
 static bool finish_csv(const char *program, const ss_bridge_summary *summary, ss_output *csv,
                        softsim_error *error)
 {

@@ -129,12 +129,16 @@ static void receive_status(void *context, const ss_packet *packet)
     softsim_client *client = context;
     const int64_t now_ns = ss_clock_now_ns();
     softsim_server_status_t status;
+    if (client->config.follows_forces && !ss_origin_allows(&client->force_origin, packet->source)) {
+        return;
+    }
     if (!has_good_strings(packet->data, (size_t)packet->size, (size_t)ss_status_texts_at, 3) ||
         softsim_server_status_t_decode(packet->data, 0, packet->size, &status) < 0) {
         ++client->counts.malformed;
         return;
     }
-    if (ss_origin_take(&client->status_origin, packet->source, now_ns)) {
+    if (client->config.follows_forces ||
+        ss_origin_take(&client->status_origin, packet->source, now_ns)) {
         softsim_server_status report;
         hand_on_raw(client, packet);
         ss_status_from_wire(&status, &report);
@@ -193,8 +197,9 @@ RECEIVE(field, softsim_mesh_field)
 static void receive_scene(void *context, const ss_packet *packet)
 {
     softsim_client *client = context;
-    const ss_origin *origin =
-        client->config.handle_status != NULL ? &client->status_origin : &client->force_origin;
+    const ss_origin *origin = client->config.handle_status != NULL && !client->config.follows_forces
+                                  ? &client->status_origin
+                                  : &client->force_origin;
     softsim_scene_report scene;
     const bool is_good = ss_view_decode_scene(packet->data, packet->size, &client->room, &scene);
     if (is_good && !ss_origin_allows(origin, packet->source)) {
@@ -256,7 +261,9 @@ static softsim_status join(softsim_client *client, const char *prefix, softsim_e
     ss_lane lanes[SS_RECEIVER_MAX_LANES]; /* of what is wanted */
     int32_t count = 0;
     const ss_lane force = force_lane(client), reply = narrow_lane(0, NULL),
-                  status = narrow_lane(STATUSES_PER_S, &client->status_origin.first.source),
+                  status = narrow_lane(STATUSES_PER_S, config->follows_forces
+                                                           ? &client->force_origin.first.source
+                                                           : &client->status_origin.first.source),
                   view = view_lane();
     const struct {
         bool is_wanted;

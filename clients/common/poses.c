@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "net/codec.h"
 #include "rt/files.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
@@ -30,6 +31,7 @@ struct softsim_poses {
     /* Of a log: the time of its newest pose. */
     bool has_time;
     int64_t log_utime_us, time_us;
+    bool is_damaged;
     bool has_pending; /* a pose that waits behind a note */
     softsim_pose_event pending;
 
@@ -182,6 +184,7 @@ static softsim_poses_result next_of_log(softsim_poses *poses, softsim_pose_event
         case SOFTSIM_LOG_END:
             return SOFTSIM_POSES_END;
         case SOFTSIM_LOG_DAMAGED:
+            poses->is_damaged = true;
             snprintf(note, note_size,
                      "damaged record at byte %" PRId64 ", skipped %" PRId64 " bytes", event.offset,
                      event.skipped);
@@ -192,6 +195,7 @@ static softsim_poses_result next_of_log(softsim_poses *poses, softsim_pose_event
                      event.offset, event.skipped);
             return SOFTSIM_POSES_NOTE;
         case SOFTSIM_LOG_UNREADABLE:
+            poses->is_damaged = true;
             snprintf(note, note_size, "cannot read on at byte %" PRId64 ", the rest is left out",
                      event.offset);
             return SOFTSIM_POSES_NOTE;
@@ -203,6 +207,8 @@ static softsim_poses_result next_of_log(softsim_poses *poses, softsim_pose_event
             continue; /* other messages of the session */
         }
         if (!softsim_log_decode_pose(event.data, event.data_size, &out->pose)) {
+            /* Of another size it is another's message, and was no pose when it was sent. */
+            poses->is_damaged |= event.data_size == SS_WIRE_POSE_SIZE;
             snprintf(note, note_size,
                      "record at byte %" PRId64 " on %s is no probe_pose_t (%" PRId32
                      " bytes), skipped",
@@ -229,6 +235,11 @@ softsim_poses_result softsim_poses_next(softsim_poses *poses, softsim_pose_event
 {
     return poses->path != NULL ? next_of_path(poses, out_event, note, note_size)
                                : next_of_log(poses, out_event, note, note_size);
+}
+
+bool softsim_poses_is_damaged(const softsim_poses *poses)
+{
+    return poses->is_damaged;
 }
 
 void softsim_poses_restamp(softsim_pose *pose, int64_t sender, int32_t seq)

@@ -30,6 +30,7 @@ typedef struct options {
 typedef struct survey {
     int64_t poses, notes, duration_us;
     int32_t probe_count;
+    bool is_damaged;
 } survey;
 
 static const char usage[] = "[options] LOG|CSV   or   --convert [options] CSV OUT.lcmlog";
@@ -50,9 +51,11 @@ static ss_args_result parse_options(int argc, char **argv, options *o, softsim_e
         SS_TEXT("--record", &o->record, "OUT.lcmlog",
                 "event log of the poses sent and the forces received; like --csv written to\n"
                 "OUT.part once a second, and OUT at the end of a replay that exits 0: one\n"
-                "server felt the whole log, and nothing else moved its time"),
+                "server, neither paused nor at fault, felt the whole log, which had no damage\n"
+                "but a cut end, and nothing else moved its time"),
         SS_FLAG("--convert", &o->is_convert,
-                "write the poses as an event log instead of playing them"),
+                "write the poses as an event log instead of playing them; of a damaged log what\n"
+                "is left, in OUT.part, exit 1"),
         SS_ARG_BUS(&o->lcm_url, &o->prefix),
     };
     const char *positional[2] = {NULL, NULL};
@@ -109,6 +112,7 @@ static survey look_through(const char *program, const char *path, softsim_poses 
         ss_plain_print(stderr, "%s: %s: and %" PRId64 " more\n", program, path,
                        found.notes - MAX_NOTES);
     }
+    found.is_damaged = softsim_poses_is_damaged(poses);
     found.probe_count = __builtin_popcount(probes);
     return found;
 }
@@ -118,8 +122,14 @@ static void tell_kept_log(const char *program, const softsim_log_writer *writer)
     ss_output_tell_kept(softsim_log_kept(writer), softsim_log_path(writer), program);
 }
 
+static void tell_damage(const char *program, const options *o)
+{
+    ss_plain_print(stderr, "%s: %s: records are missing; what is left was %s\n", program, o->input,
+                   o->is_convert ? "converted" : "played");
+}
+
 /* Writes the poses as a log: times from 0, sender 1, so that equal input gives equal bytes. */
-static int convert(const char *program, const options *o, softsim_poses *poses)
+static int convert(const char *program, const options *o, softsim_poses *poses, const survey *found)
 {
     softsim_error error = {.status = SOFTSIM_OK};
     softsim_log_writer *writer = NULL;
@@ -144,7 +154,10 @@ static int convert(const char *program, const options *o, softsim_poses *poses)
             softsim_log_write_pose(writer, event.time_us, channel, &event.pose);
         }
     }
-    if (ss_process_is_stopped()) {
+    if (found->is_damaged) {
+        tell_damage(program, o);
+    }
+    if (ss_process_is_stopped() || found->is_damaged) {
         softsim_log_keep(&writer, &error);
     } else {
         softsim_log_finish(&writer, &error);
@@ -253,6 +266,9 @@ static void tell_result(const char *program, const options *o, const ss_replay *
  * there was such a thing. */
 static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_result result)
 {
+    char before[64];
+    snprintf(before, sizeof before, "%.40s: ", program);
+    ss_halt_print(&replay->halt, stderr, before);
     if (replay->changed_seq > 0) {
         fprintf(stderr,
                 "%s: another server answers since pose %" PRId32
@@ -286,7 +302,7 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 1e-6 * (double)replay->played_us);
     }
     return replay->changed_seq > 0 || replay->refused_seq > 0 || replay->gap_seq > 0 ||
-           replay->statistics.other_ticks > 0 || is_cut;
+           replay->statistics.other_ticks > 0 || is_cut || ss_halt_is_seen(&replay->halt);
 }
 
 /* Plays, reports, closes. */
@@ -303,8 +319,8 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
                                           .prefix = o->prefix,
                                           .context = &replay,
                                           .handle_force = ss_replay_take_force,
-                                          .handle_status =
-                                              o->is_lockstep ? ss_replay_take_status : NULL};
+                                          .handle_status = ss_replay_take_status,
+                                          .follows_forces = !o->is_lockstep};
     if (!o->is_lockstep) {
         ss_process_raise_priority(); /* better pacing; does without where it is not allowed */
     }
@@ -326,7 +342,11 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     const bool is_one =
         !ss_process_tell_two(program, "the first one's answers are kept", replay.has_heard_two);
     const bool is_doubtful = tell_doubt(program, &replay, result);
-    const bool is_good = result == SS_REPLAY_DONE && is_answered && is_one && !is_doubtful;
+    if (found->is_damaged) {
+        tell_damage(program, o);
+    }
+    const bool is_good =
+        result == SS_REPLAY_DONE && is_answered && is_one && !is_doubtful && !found->is_damaged;
     const bool is_written = finish_files(program, &replay, is_good);
     report(&replay, found);
     softsim_client_close(&replay.client);
@@ -361,7 +381,8 @@ int main(int argc, char **argv)
     } else if (found.poses > INT32_MAX / o.repeat) {
         fprintf(stderr, "%s: --repeat: more poses than a seq can number\n", program);
     } else {
-        status = o.is_convert ? convert(program, &o, poses) : play(program, &o, poses, &found);
+        status =
+            o.is_convert ? convert(program, &o, poses, &found) : play(program, &o, poses, &found);
     }
     softsim_poses_close(&poses);
     return ss_program_finish(program, status);

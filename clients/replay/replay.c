@@ -145,7 +145,7 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     int32_t *answered = &replay->answered_seq[force->probe];
     const bool is_first =
         force->pose_seq > *answered && force->pose_seq <= replay->sent_seq[force->probe];
-    if (ss_claim_take_answer(&replay->claim, force)) {
+    if (ss_claim_take_answer(&replay->claim, force) || replay->is_over) {
         return;
     }
     note_gap(replay);
@@ -173,6 +173,7 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
         count_latency(statistics, latency_us);
     }
     ++statistics->forces;
+    ss_halt_take_force(&replay->halt, force, is_first);
     if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0) {
         note_refused(replay, force);
     } else if (is_first && force->pose_seq > replay->felt_seq) {
@@ -192,7 +193,9 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
 void ss_replay_take_status(void *context, const softsim_server_status *status, int64_t receive_ns)
 {
     (void)receive_ns;
-    ss_ticks_take_status(&((ss_replay *)context)->ticks, status);
+    ss_replay *replay = context;
+    ss_ticks_take_status(&replay->ticks, status);
+    ss_halt_take_status(&replay->halt, status);
 }
 
 /* ---- sending ---- */
@@ -370,5 +373,11 @@ static ss_replay_result play_paced(ss_replay *replay)
 
 ss_replay_result ss_replay_run(ss_replay *replay)
 {
-    return replay->is_lockstep ? play_in_lockstep(replay) : play_paced(replay);
+    const ss_replay_result result =
+        replay->is_lockstep ? play_in_lockstep(replay) : play_paced(replay);
+    replay->is_over = true;
+    if (result == SS_REPLAY_DONE) {
+        ss_halt_ask(&replay->halt, replay->client);
+    }
+    return result;
 }

@@ -15,13 +15,15 @@
  *
  * What else makes the forces others than those of the log is noted, and played on: poses refused
  * since another sender holds the probe, which a paced replay waits for before it begins (claim.h);
- * a second of a paced one without an answer; in lockstep, ticks that others' poses made (ticks.h).
+ * a second of a paced one without an answer; in lockstep, ticks that others' poses made (ticks.h);
+ * forces of a server that is at fault or paused (halt.h).
  * Thread: main.
  */
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "claim.h"
+#include "halt.h"
 #include "indentation.h"
 #include "output.h"
 #include "softsim/client.h"
@@ -64,6 +66,8 @@ typedef struct ss_replay {
     int64_t felt_us;                         /* its time in the log */
     ss_claim claim;
     ss_ticks ticks;
+    ss_halt halt;
+    bool is_over;                       /* nothing that comes is kept */
     int32_t refused_seq, refused_probe; /* the first refused for another sender; 0: none */
     int32_t gap_seq;     /* the first of those that went without an answer for long; 0: none */
     int64_t gap_us;      /* its time in the log, */
@@ -90,7 +94,7 @@ typedef enum ss_replay_result {
     SS_REPLAY_BROKEN   /* LCM failed */
 } ss_replay_result;
 
-/* Callbacks of the client; `context` is the ss_replay. Of statuses, for lockstep. */
+/* Callbacks of the client; `context` is the ss_replay. */
 void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns);
 void ss_replay_take_status(void *context, const softsim_server_status *status, int64_t receive_ns);
 /* Plays; the parameters and `client` are set, the rest is zero. */

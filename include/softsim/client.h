@@ -39,6 +39,9 @@ typedef struct softsim_client_config {
     bool hears_all; /* the forces that answer other clients too, for who only watches */
     /* The server's status, valid during the call. NULL: none wanted. */
     void (*handle_status)(void *context, const softsim_server_status *status, int64_t receive_ns);
+    /* Only of the server whose forces come, once they do; what others send there is no second
+     * server. For who exerts forces: statuses come from anybody, forces answer this client. */
+    bool follows_forces;
     /* The server's reply to a command of this client: its number, 0 done, 1 refused or 2 unknown
      * or bad, and a text that is valid during the call. NULL: none wanted. */
     void (*handle_reply)(void *context, int32_t id, int32_t code, const char *text);

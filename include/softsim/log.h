@@ -162,6 +162,9 @@ softsim_status softsim_poses_open(const char *path, double rate_hz, softsim_pose
 void softsim_poses_close(softsim_poses **poses);
 /* Back to the first pose. */
 void softsim_poses_rewind(softsim_poses *poses);
+/* Was anything skipped so far but a last record that is cut, as a kill of who recorded it leaves
+ * it? Records are missing then; jumps of the log's clock and other senders' messages are none. */
+bool softsim_poses_is_damaged(const softsim_poses *poses);
 /* `note` is filled for SOFTSIM_POSES_NOTE, one line without \n. */
 softsim_poses_result softsim_poses_next(softsim_poses *poses, softsim_pose_event *out_event,
                                         char *note, size_t note_size);

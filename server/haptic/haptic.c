@@ -25,7 +25,7 @@ enum { POSES_A_TICK = 64, BAD_TICKS = SS_WATCHDOG_TICKS, LEAD_TICKS = 3 };
 #define STOP_TIME       0.005 /* s: of a proxy whose grasp is let go */
 #define LEAST_STIFFNESS 1e-6  /* N/m: of a grasp without contacts */
 #define STAYED_M        0.01 /* a device that returns nearer than that to where it was has stayed */
-#define LEAD_MAX        2e-3 /* m: of a tick without a pose; three of .7 m/s */
+#define LEAD_MAX        2e-3 /* m: three ticks at .7 m/s */
 
 /* ---- poses ---- */
 

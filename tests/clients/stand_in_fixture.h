@@ -24,6 +24,7 @@
 #include "process/process.h"
 #include "rt/vec.h"
 #include "softsim/log.h"
+#include "softsim/status.h"
 #include "softsim_server_status_t.h"
 
 static const double stiffness = 400.0;
@@ -49,7 +50,12 @@ typedef struct server {
     int replaced_from;         /* another server answers from this one on; 0: never */
     int raced_until;           /* a stranger answers earlier ones first, from where `next` speaks */
     bool is_late;              /* what is muted is answered once the poses have ended */
-    bool is_entering;          /* answers as to a tool that has come up inside the tissue */
+    int fault_from,
+        fault_until; /* answers as one whose model is at fault: number from .. until - 1 */
+    int pause_from, pause_until; /* as one that is paused */
+    bool tells_state;            /* sends a status of either in time, */
+    bool is_state_foreign;       /* as another than who sends the forces */
+    bool is_entering;            /* answers as to a tool that has come up inside the tissue */
     bool sends_status;
 
     /* state */
@@ -96,6 +102,35 @@ static inline void publish_rubbish(server *s, const char *channel, const softsim
     other = *force;
     other.probe = 1 - other.probe;
     publish_force(s, channel, &other);
+}
+
+static inline bool is_at_fault(const server *s)
+{
+    return s->fault_from > 0 && s->fresh >= s->fault_from && s->fresh < s->fault_until;
+}
+
+static inline bool is_paused(const server *s)
+{
+    return s->pause_from > 0 && s->fresh >= s->pause_from && s->fresh < s->pause_until;
+}
+
+/* Whole, of a server that is at fault or paused, or neither. */
+static inline void publish_state(server *s)
+{
+    static char scene[] = "stand-in.yaml";
+    static char model[] = "linear";
+    static char fault[] = "a number is not finite";
+    static char none[] = "";
+    const softsim_server_status_t status = {.seq = s->fresh,
+                                            .scene = scene,
+                                            .model = model,
+                                            .reason = is_at_fault(s) ? fault : none,
+                                            .verdict = is_at_fault(s) ? SOFTSIM_VERDICT_FAULT
+                                                                      : SOFTSIM_VERDICT_GOOD,
+                                            .fault_bits = is_paused(s) ? SOFTSIM_STATUS_PAUSED : 0};
+    uint8_t data[2048];
+    const int size = softsim_server_status_t_encode(data, 0, sizeof data, &status);
+    lcm_publish(s->is_state_foreign ? s->next : s->lcm, "SOFTSIM_STATUS", data, (unsigned)size);
 }
 
 static inline void publish_status(server *s)
@@ -185,6 +220,14 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
                                 .pose_seq = pose.seq,
                                 .flags = SOFTSIM_FORCE_OTHER_SENDER};
     }
+    if (is_at_fault(s) || is_paused(s)) {
+        ss_set3(force.force, 0.0, 0.0, 0.0);
+        force.depth = force.stiffness = 0.0;
+        force.flags = SOFTSIM_FORCE_RAMPING | (is_at_fault(s) ? SOFTSIM_FORCE_MODEL_FAULT : 0);
+    }
+    if (s->tells_state && is_fresh && s->fresh % 50 == 0) {
+        publish_state(s);
+    }
     char answer[64];
     snprintf(answer, sizeof answer, "SOFTSIM_FORCE_%d", probe);
     if (s->fresh < s->raced_until) {
@@ -221,6 +264,8 @@ static inline void *serve(void *argument)
             publish_force(s, "SOFTSIM_FORCE_0", &s->muted);
         } else if (s->sends_status) {
             publish_status(s);
+        } else if (s->tells_state) {
+            publish_state(s);
         }
     }
     return NULL;

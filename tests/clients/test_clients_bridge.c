@@ -132,12 +132,12 @@ static bool outlives_server(const char *part)
 }
 
 /* Of such a bridge. */
-static void expect_ordered_end(pid_t bridge, const char *csv)
+static void expect_ordered_end(pid_t bridge, const char *part)
 {
     int status = 0;
     assert_int_equal(waitpid(bridge, &status, 0), bridge);
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 1);
-    assert_true(count_lines(csv, false) >= 2500);
+    assert_true(count_lines(part, false) >= 2500); /* forces were away at its end */
 }
 
 /* Nobody reads what it says of the server's end: its loop goes on, with no force. */
@@ -158,7 +158,7 @@ SERVED_TEST(a_bridge_does_not_wait_for_who_reads_it)
     }
     close(ends[0]);
     assert_true(goes_on);
-    expect_ordered_end(bridge, csv);
+    expect_ordered_end(bridge, part);
 }
 
 /* Nor does it die of a reader that has gone. */
@@ -174,7 +174,7 @@ SERVED_TEST(a_bridge_outlives_who_reads_it)
     const bool goes_on = outlives_server(part);
     assert_int_equal(kill(bridge, SIGTERM), 0);
     assert_true(goes_on);
-    expect_ordered_end(bridge, csv);
+    expect_ordered_end(bridge, part);
 }
 
 /* With a closed stderr the CSV would be number 2 and take what is said there. */
@@ -308,8 +308,9 @@ SERVED_TEST(bridge_without_a_server_fails_and_says_so)
 
 SERVED_TEST(bridge_tells_that_forces_stop)
 {
-    const char *const argv[] = {"softsim-bridge", "--device", "sim",  "--offset-m",
-                                "0,0,0",          "--ticks",  "2400", NULL};
+    const char *csv = in_folder("b.csv");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0",
+                                "--ticks",        "2400",     "--csv", csv,          NULL};
     stand_in.mute_from = 300;
     stand_in.mute_until = INT32_MAX;
     run_served(argv, 1);
@@ -320,6 +321,8 @@ SERVED_TEST(bridge_tells_that_forces_stop)
     const double answered_s =
         1e-6 * (double)(stand_in.kept[298].utime_us - stand_in.kept[0].utime_us);
     assert_true(at_s > answered_s - 0.1 && at_s > 0.25);
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(count_lines(in_folder("b.csv.part"), false), 2401);
     assert_null(strstr(child.err, "again"));
 }
 
@@ -427,6 +430,70 @@ SERVED_TEST(who_answers_before_the_server_is_not_felt)
         assert_int_equal(access(csv, F_OK), -1);
         assert_int_equal(unlink(part), 0);
     }
+}
+
+/* It goes on, since the hand may wait for a reset, and blames no place that the tool was at. */
+static void expect_halt(const char *said, const char *cure)
+{
+    const char *csv = in_folder("b.csv"), *part = in_folder("b.csv.part");
+    const char *const argv[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0.1",
+                                "--ticks",        "1000",     "--csv", csv,          NULL};
+    stand_in.tells_state = true;
+    run_served(argv, 1);
+    const char *at = strstr(child.err, said);
+    if (at == NULL || strstr(at + 1, said) != NULL) {
+        fail_msg("not once '%s' in: %s", said, child.err);
+    }
+    assert_non_null(strstr(at, cure));
+    assert_null(strstr(child.err, "touched nothing"));
+    assert_null(strstr(child.err, "inside"));
+    const char *summary = strstr(child.out, "halt        the server");
+    assert_non_null(summary);
+    assert_non_null(strstr(summary, cure));
+    assert_non_null(strstr(child.out, "ticks       1000,"));
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(count_lines(part, false), 1001);
+}
+
+SERVED_TEST(bridge_tells_that_the_model_is_at_fault)
+{
+    stand_in.fault_from = 1;
+    stand_in.fault_until = INT32_MAX;
+    expect_halt("the server's model is at fault ", "`softsim-monitor --command reset`");
+    assert_non_null(strstr(child.err, " (a number is not finite)"));
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.fault_from = 300;
+    stand_in.fault_until = 600;
+    expect_halt("the server's model is at fault ", "`softsim-monitor --command reset`");
+}
+
+SERVED_TEST(bridge_tells_that_the_server_is_paused)
+{
+    stand_in.pause_from = 1;
+    stand_in.pause_until = INT32_MAX;
+    expect_halt("the server is paused", "`softsim-monitor --command resume`");
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.pause_from = 300;
+    stand_in.pause_until = INT32_MAX;
+    expect_halt("the server is paused", "`softsim-monitor --command resume`");
+}
+
+/* Statuses come from anybody: those of who sends no forces neither let go of the hand nor are
+ * believed. */
+SERVED_TEST(bridge_takes_no_status_of_others)
+{
+    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m",
+                                "0,0,0",          "--ticks",  "800", NULL};
+    stand_in.tells_state = stand_in.is_state_foreign = true;
+    run_served(argv, 0);
+    assert_null(strstr(child.err, "two servers"));
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.tells_state = stand_in.is_state_foreign = true;
+    stand_in.fault_from = 300;
+    stand_in.fault_until = INT32_MAX;
+    run_served(argv, 1);
+    assert_non_null(strstr(child.err, "the server's model is at fault "));
+    assert_null(strstr(child.err, "a number is not finite"));
 }
 
 SERVED_TEST(bridge_tells_whose_the_probe_is)

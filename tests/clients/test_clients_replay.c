@@ -182,10 +182,11 @@ SERVED_TEST(a_killed_replay_leaves_what_it_recorded)
     assert_non_null(strstr(child.err, "k.lcmlog.part', which is the file played"));
 }
 
+/* Records are missing: played, and converted, but not complete. */
 SERVED_TEST(damaged_logs_are_played_and_named)
 {
-    const char *log = in_folder("a.lcmlog");
-    const char *const argv[] = {"softsim-replay", log, "--lockstep", NULL};
+    const char *log = in_folder("a.lcmlog"), *csv = in_folder("a.csv");
+    const char *const argv[] = {"softsim-replay", log, "--lockstep", "--csv", csv, NULL};
     make_log(log, 20, 1);
     FILE *file = fopen(log, "r+b");
     assert_non_null(file);
@@ -195,14 +196,72 @@ SERVED_TEST(damaged_logs_are_played_and_named)
     fwrite(huge, 1, 4, file);
     fclose(file);
     assert_int_equal(truncate(log, 20 * record - 7), 0);
-    run_served(argv, 0);
+    run_served(argv, 1);
     char expected[128];
     snprintf(expected, sizeof expected, "damaged record at byte %ld, skipped %ld bytes", 4 * record,
              record);
     assert_non_null(strstr(child.err, expected));
     snprintf(expected, sizeof expected, "truncated record at byte %ld", 19 * record);
     assert_non_null(strstr(child.err, expected));
+    assert_non_null(strstr(child.err, "records are missing; what is left was played"));
     assert_int_equal(stand_in.fresh, 18);
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(read_csv(in_folder("a.csv.part")), 18);
+
+    const char *out = in_folder("b.lcmlog");
+    const char *const convert[] = {"softsim-replay", "--convert", log, out, NULL};
+    int64_t rest = 0;
+    assert_int_equal(process_run(&child, convert), 1);
+    assert_non_null(strstr(child.err, "records are missing; what is left was converted"));
+    assert_int_equal(access(out, F_OK), -1);
+    assert_int_equal(count_records(in_folder("b.lcmlog.part"), &rest), 18);
+}
+
+/* A bit of a record's type: it is no pose any more. A message of another size never was one. */
+SERVED_TEST(a_pose_of_another_type_is_damage)
+{
+    const char *log = in_folder("a.lcmlog"), *out = in_folder("b.lcmlog");
+    const char *const argv[] = {"softsim-replay", "--convert", log, out, NULL};
+    make_log(log, 20, 1);
+    FILE *file = fopen(log, "r+b");
+    assert_non_null(file);
+    fseek(file, 4 * (28 + 11 + SS_WIRE_POSE_SIZE) + 28 + 11, SEEK_SET);
+    fputc('x', file);
+    fclose(file);
+    assert_int_equal(process_run(&child, argv), 1);
+    assert_non_null(strstr(child.err, "is no probe_pose_t"));
+    assert_int_equal(access(out, F_OK), -1);
+
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log_writer *writer = NULL;
+    const softsim_pose pose = {.seq = 1, .orientation = {1.0}};
+    assert_int_equal(softsim_log_create(log, &writer, &error), SOFTSIM_OK);
+    softsim_log_write_pose(writer, 1000, "SOFTSIM_PROBE_0", &pose);
+    softsim_log_write(writer, 2000, "ULTRASOUND_PROBE_1", "an image", 9);
+    softsim_log_write_pose(writer, 3000, "SOFTSIM_PROBE_0", &pose);
+    assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+    assert_int_equal(process_run(&child, argv), 0);
+    assert_non_null(strstr(child.err, "is no probe_pose_t"));
+}
+
+/* As a recorder that was killed leaves it, cut anywhere: said, and complete. */
+SERVED_TEST(a_log_that_lacks_its_end_is_complete)
+{
+    const char *log = in_folder("a.lcmlog"), *csv = in_folder("a.csv");
+    const char *const argv[] = {"softsim-replay", log, "--lockstep", "--csv", csv, NULL};
+    const char *const convert[] = {"softsim-replay", "--convert", log, in_folder("b.lcmlog"), NULL};
+    const long record = 28 + 11 + SS_WIRE_POSE_SIZE;
+    for (long cut = 1; cut < record; cut += cut < 50 ? 1 : 29) {
+        make_log(log, 20, 1);
+        assert_int_equal(truncate(log, 19 * record + cut), 0);
+        if (process_run(&child, convert) != 0) {
+            fail_msg("cut at %ld: %s", cut, child.err);
+        }
+        assert_non_null(strstr(child.err, "truncated record at byte "));
+        assert_null(strstr(child.err, "missing"));
+    }
+    run_served(argv, 0);
+    assert_int_equal(read_csv(csv), 19);
 }
 
 SERVED_TEST(conversion_is_reproducible)
@@ -410,6 +469,60 @@ SERVED_TEST(answers_that_are_away_for_long_are_told)
     assert_non_null(strstr(child.out, "2500 sent"));
     assert_int_equal(access(csv, F_OK), -1);
     assert_true(read_csv(in_folder("a.csv.part")) > 0);
+}
+
+/* Zero forces that are no tool's in free space: of a body that stands. */
+SERVED_TEST(a_model_at_fault_is_told)
+{
+    make_log(in_folder("a.lcmlog"), 300, 1);
+    stand_in.fault_from = 100;
+    stand_in.fault_until = INT32_MAX;
+    stand_in.tells_state = true;
+    expect_doubt("the server's model is at fault from pose 100 on (a number is not finite); 201 "
+                 "forces are of it: `softsim-monitor --command reset`",
+                 "--lockstep");
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.fault_from = 1; /* and no status says so */
+    stand_in.fault_until = 51;
+    expect_doubt("the server's model is at fault from pose 1 on; 50 forces are of it: ",
+                 "--lockstep");
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.fault_from = 100;
+    stand_in.fault_until = INT32_MAX;
+    stand_in.tells_state = true;
+    expect_doubt("the server's model is at fault from pose ", NULL);
+    assert_non_null(strstr(child.err, " on (a number is not finite); "));
+}
+
+SERVED_TEST(a_paused_server_is_told)
+{
+    make_log(in_folder("a.lcmlog"), 300, 1);
+    stand_in.pause_from = 60; /* its status follows at 100 */
+    stand_in.pause_until = 160;
+    stand_in.tells_state = true;
+    expect_doubt("the server is paused from pose 60 on; 100 forces are of it: `softsim-monitor "
+                 "--command resume`",
+                 "--lockstep");
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.pause_from = 230;
+    stand_in.pause_until = INT32_MAX;
+    stand_in.tells_state = true;
+    expect_doubt("the server is paused from pose ", NULL);
+}
+
+/* A tool that comes in, or a server that ends, whose statuses say so or not. */
+SERVED_TEST(forces_that_ramp_are_no_pause)
+{
+    const char *log = in_folder("a.lcmlog");
+    const char *const argv[] = {"softsim-replay", log, NULL};
+    make_log(log, 300, 1);
+    for (int i = 0; i < 2; ++i) {
+        memset(&stand_in, 0, sizeof stand_in);
+        stand_in.is_entering = true;
+        stand_in.tells_state = i == 0;
+        run_served(argv, 0);
+        assert_string_equal(child.err, "");
+    }
 }
 
 SERVED_TEST(poses_refused_for_another_sender_are_told)

@@ -261,6 +261,31 @@ TEST(the_end_of_a_grasp_is_no_step)
     }
 }
 
+/* Who loses the probe lets go at once, and what was held before a silence is not felt after it. */
+TEST(a_grasp_that_is_lost_leaves_nothing)
+{
+    static ss_corrector c;
+    const double at[3] = {0.0, 0.0, 0.0};
+    double out[3];
+    for (int is_silent = 0; is_silent < 2; ++is_silent) {
+        softsim_force force = make_force(5);
+        ss_set3(force.force, 5.0, 0.0, 0.0);
+        force.flags |= SOFTSIM_FORCE_GRASPING;
+        ss_corrector_init(&c, true, ss_corrector_unlimited);
+        ss_corrector_take_force(&c, &force, 0);
+        for (int64_t ms = 0; ms < (is_silent ? 500 : 10); ++ms) {
+            ss_corrector_force(&c, ms * 1000000, at, out);
+        }
+        ss_set3(force.force, 0.0, 0.0, 0.0);
+        force.flags = is_silent ? 0 : SOFTSIM_FORCE_OTHER_SENDER;
+        for (int64_t ms = 500; ms < 600; ++ms) {
+            ss_corrector_take_force(&c, &force, ms * 1000000);
+            ss_corrector_force(&c, ms * 1000000, at, out);
+            assert_near(ss_norm3(out), 0.0, 1e-12);
+        }
+    }
+}
+
 TEST(force_fades_when_the_server_is_gone)
 {
     static ss_corrector c;

@@ -368,7 +368,7 @@ TEST(poses_are_refused)
     }
 }
 
-/* ---- damaged logs: read up to the damage, reported ---- */
+/* ---- damaged logs: read up to the damage and beyond, reported ---- */
 
 static unsigned char *read_whole(const char *path, size_t *out_size)
 {
@@ -391,6 +391,7 @@ static void put_length(unsigned char *at, uint32_t value)
     }
 }
 
+/* A run of what is left is none of the log's, but where only the last record is cut. */
 TEST(damaged_logs_are_read_up_to_the_damage)
 {
     static process p;
@@ -437,9 +438,13 @@ TEST(damaged_logs_are_read_up_to_the_damage)
         }
         write_bytes("damaged.lcmlog", log, written);
         memcpy(at, kept, sizeof kept);
+        const char *const csv = in_folder("out.csv");
         const char *const argv[] = {"softsim-run", KIDNEY, "--poses", in_folder("damaged.lcmlog"),
-                                    NULL};
-        assert_int_equal(process_run(&p, argv), 0);
+                                    "--csv",       csv,    NULL};
+        assert_int_equal(process_run(&p, argv), cases[i].kind == 0 ? 0 : 1);
+        assert_int_equal(access(csv, F_OK), cases[i].kind == 0 ? 0 : -1);
+        assert_int_equal(unlink(in_folder("out.csv.part")), cases[i].kind == 0 ? -1 : 0);
+        unlink(csv);
         char first[160];
         snprintf(first, sizeof first, "%.*s", (int)strcspn(p.err, "\n"), p.err);
         print_message("%-44s exit %d  %s\n", cases[i].what, p.status, first);

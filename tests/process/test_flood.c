@@ -176,13 +176,18 @@ static void start_bridge(listener *l)
     listen_accepted(l, 200);
 }
 
-static void stop_bridge(void)
+/* `may_be_paused`: by a command, which it says, and for which it fails. */
+static void stop_bridge(bool may_be_paused)
 {
     process_signal(&client, SIGINT);
-    if (process_finish(&client) != 0) {
+    const int status = process_finish(&client);
+    const bool was_paused = may_be_paused && strstr(client.err, "the server is paused at ");
+    if (status != was_paused) {
         fail_msg("softsim-bridge: %d: %s%s", client.status, client.out, client.err);
     }
     assert_null(strstr(client.err, "another sender holds"));
+    assert_null(strstr(client.err, "two servers"));
+    assert_null(strstr(client.err, "at fault"));
 }
 
 static void flood_beside_bridge(listener *l, const char *kind, const char *rate,
@@ -208,7 +213,7 @@ TEST_WITH(the_holder_is_answered_under_all_kinds_at_once, make_folder, end_all)
     assert_true(l.status.probe_forces[0] > 0);
     assert_int_equal(l.status.probe_forces[0] + l.status.probe_missed[0],
                      l.status.probe_periods[0]);
-    stop_bridge();
+    stop_bridge(true); /* pause is one of the kinds */
     listen_close(&l);
 }
 
@@ -221,7 +226,7 @@ TEST_WITH(poses_under_the_holders_number_change_nothing, make_folder, end_all)
     assert_true(listen_next(&l)->poses_refused[SOFTSIM_REFUSED_OTHER_SENDER] > 0);
     assert_int_equal(l.status.poses_refused[SOFTSIM_REFUSED_OTHER], 0);
     listen_accepted(&l, 200);
-    stop_bridge();
+    stop_bridge(false);
     listen_close(&l);
 }
 
@@ -446,14 +451,18 @@ TEST_WITH(what_others_send_among_the_forces_is_not_let_in, NULL, NULL)
     }
     expect_force(heard, server, good, size);
     assert_int_equal(softsim_client_read_counts(heard).malformed, 0);
+    const int64_t start_ns = softsim_client_now_ns();
     for (int k = 0; k < ROUNDS; ++k) {
         for (int i = 0; i < AT_ONCE; ++i) {
             send_datagram(flood, bad, size);
         }
         expect_force(heard, server, good, size);
     }
+    /* No flood where the machine is too slow for one: an honest sender says 8000 a second. */
+    const double taken_s = 1e-9 * (double)(softsim_client_now_ns() - start_ns);
     const int64_t others = softsim_client_read_counts(heard).malformed;
-    assert_true(others > 0 && others < ROUNDS * AT_ONCE / 3);
+    assert_true(others > 0);
+    assert_true(others < ROUNDS * AT_ONCE / 3 || ROUNDS * AT_ONCE < 30000.0 * taken_s);
     softsim_client_close(&heard);
     close(server);
     close(flood);

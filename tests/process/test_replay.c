@@ -12,17 +12,18 @@
 
 #include "common/pose_fixture.h"
 #include "daemon_fixture.h"
+#include "softsim/status.h"
 #include "softsim_probe_pose_t.h"
 
 static void expect_exit(int expected)
 {
     const int status = process_finish(&client);
     if (status != expected) {
-        fail_msg("replay: %d, not %d: %s%s", status, expected, client.out, client.err);
+        fail_msg("exit %d, not %d: %s%s", status, expected, client.out, client.err);
     }
 }
 
-/* It says `said`, once, and what it kept is not complete. */
+/* Replay or bridge says `said`, once, and what it kept is not complete. */
 static void expect_doubt(const char *said, const char *csv)
 {
     expect_exit(1);
@@ -190,6 +191,84 @@ TEST_WITH(refused_poses_of_others_harm_no_paced_replay, make_folder, tear_down)
     send_beside("SOFTSIM_PROBE_0", 0);
     expect_exit(0);
     assert_int_equal(access(csv, F_OK), 0);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+static void command(const char *name)
+{
+    const char *const monitor[] = {"softsim-monitor", "--command", name, NULL};
+    if (process_run(&other, monitor) != 0) {
+        fail_msg("%s: %s%s", name, other.out, other.err);
+    }
+}
+
+static bool is_running(const watch *w)
+{
+    return w->statuses > 0 && (w->status.fault_bits & SOFTSIM_STATUS_PAUSED) == 0;
+}
+
+/* And its statuses say so. */
+static void resume(void)
+{
+    watch w;
+    command("resume");
+    watch_open(&w);
+    watch_until(&w, is_running, "the end of the pause");
+    watch_close(&w);
+}
+
+/* Its forces are zero, as of a tool in free space: from the first on, in real time and in lockstep,
+ * or from the middle. */
+TEST_WITH(a_paused_server_is_told_by_a_replay, make_folder, tear_down)
+{
+    const char *const lockstep[] = {"--lockstep", NULL};
+    const char *const csv = in_folder("a.csv");
+    const char *replay[] = {"softsim-replay", POKE, "--csv", csv, "--speed", "9", NULL};
+    start_daemon(tube(), NULL);
+    command("pause");
+    process_start(&client, replay, NULL);
+    expect_doubt("the server is paused from pose ", csv);
+    assert_non_null(strstr(client.out, "peak 0 N"));
+    resume();
+    replay[4] = NULL; /* at its own speed */
+    process_start(&client, replay, NULL);
+    watch w;
+    watch_open(&w);
+    while (w.forces == 0) {
+        lcm_handle_timeout(w.lcm, 200);
+    }
+    watch_close(&w);
+    command("pause");
+    expect_doubt("the server is paused from pose ", csv);
+    resume();
+    replay[4] = "--speed";
+    process_start(&client, replay, NULL);
+    expect_exit(0);
+    assert_null(strstr(client.err, "paused"));
+    assert_int_equal(stop_daemon(), 0);
+
+    replay[4] = "--lockstep";
+    replay[5] = NULL;
+    unlink(csv);
+    start_daemon(tube(), lockstep);
+    command("pause");
+    process_start(&client, replay, NULL);
+    expect_doubt("the server is paused from pose 1 on; ", csv);
+    assert_int_equal(stop_daemon(), 0);
+}
+
+/* It has touched nothing, and that is no fault of its place. */
+TEST_WITH(a_paused_server_is_told_by_a_bridge, make_folder, tear_down)
+{
+    const char *const csv = in_folder("a.csv");
+    const char *const bridge[] = {"softsim-bridge", "--device", "sim",   "--offset-m", "0,0,0.1",
+                                  "--duration",     "1",        "--csv", csv,          NULL};
+    start_daemon(tube(), NULL);
+    command("pause");
+    process_start(&client, bridge, NULL);
+    expect_doubt("the server is paused at ", csv);
+    assert_null(strstr(client.err, "touched nothing"));
+    assert_non_null(strstr(client.out, "halt        the server is paused from pose "));
     assert_int_equal(stop_daemon(), 0);
 }
 

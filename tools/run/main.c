@@ -100,7 +100,8 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
     run_options o = {.threads = 1};
     const ss_arg rows[] = {
         SS_TEXT("--poses", &o.poses, "LOG|CSV",
-                "probe poses: an event log, or time_s,probe,x,y,z,qw,qx,qy,qz,buttons"),
+                "probe poses: an event log, or time_s,probe,x,y,z,qw,qx,qy,qz,buttons; of a\n"
+                "damaged log what is left, exit 1"),
         {"--dt", SS_ARG_NUMBER, &o.step_s, 1e-7, 1.0, "S",
          "outer step and tick (default: the scene's haptic period); not with an event log"},
         {"--duration", SS_ARG_NUMBER, &o.duration_s, 1e-6, 1e9, "S",
@@ -562,10 +563,21 @@ static softsim_status execute(run *r, softsim_error *error)
     return status;
 }
 
+/* Were records skipped, other than a last one that is cut? */
+static bool is_damaged(const run *r)
+{
+    return r->log && softsim_poses_is_damaged(r->log);
+}
+
 /* What was recorded is complete, or kept and named where the run was cut short. */
 static softsim_status finish(run *r, softsim_status status, softsim_error *error)
 {
     ss_output *const recorded[] = {&r->csv, &r->reactions};
+    if (status == SOFTSIM_OK && is_damaged(r)) {
+        status = SOFTSIM_ERROR_FORMAT;
+        softsim_error_add(error, status, "%s: records are missing; what is left was played",
+                          r->options.poses);
+    }
     const bool is_complete = status == SOFTSIM_OK && is_written(r);
     for (int i = 0; i < 2; ++i) {
         if (!is_complete && recorded[i]->reason == 0) {
@@ -605,7 +617,7 @@ int main(int argc, char **argv)
         (void)fflush(stdout); /* a failure stays: ss_program_finish tells it */
     }
     /* Results are out: one who does not read the rest holds up nothing. */
-    if (exit_code == 0 && ss_program_can_tell()) {
+    if ((exit_code == 0 || (is_ready && is_damaged(&r))) && ss_program_can_tell()) {
         print_summary(&r);
         tell_turns(&r);
     }
