@@ -538,6 +538,33 @@ SERVED_TEST(poses_refused_for_another_sender_are_told)
     expect_doubt("another sender held probe 0 at pose ", NULL);
 }
 
+/* A lockstep server's count that is heard before the log and no more behind it says nothing. */
+SERVED_TEST(ticks_that_nobody_counts_are_told)
+{
+    static const char said[] = "whose ticks they were is not known";
+    const char *log = in_folder("a.lcmlog");
+    const char *const argv[] = {"softsim-replay", log, "--lockstep", NULL};
+    make_log(log, 300, 1);
+    stand_in.counts_until = 300;
+    run_served(argv, 0);
+    assert_null(strstr(child.err, "ticks"));
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.counts_until = 299;
+    expect_doubt(said, "--lockstep");
+    /* A signal meanwhile stops no log that is played. */
+    memset(&stand_in, 0, sizeof stand_in);
+    stand_in.counts_until = 299;
+    start_server();
+    process_start(&child, argv, NULL);
+    while ((stand_in.poses < 300 || stand_in.asked == 0) && !process_has_ended(&child)) {
+        poll(NULL, 0, 5);
+    }
+    process_signal(&child, SIGINT);
+    expect_status(1);
+    assert_null(strstr(child.err, "stopped after"));
+    assert_non_null(strstr(child.err, said));
+}
+
 int main(void)
 {
     return process_run_tests(NULL, NULL);
