@@ -287,6 +287,12 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 " on (%.3f s of the log): what was sent meanwhile is not felt; play it again\n",
                 program, replay->gap_s, replay->gap_seq, 1e-6 * (double)replay->gap_us);
     }
+    if (replay->is_uncounted) {
+        fprintf(stderr,
+                "%s: whose ticks they were is not known: the server's count of poses was not "
+                "heard; play it again\n",
+                program);
+    }
     if (replay->statistics.other_ticks > 0) {
         fprintf(
             stderr,
@@ -302,7 +308,8 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 1e-6 * (double)replay->played_us);
     }
     return replay->changed_seq > 0 || replay->refused_seq > 0 || replay->gap_seq > 0 ||
-           replay->statistics.other_ticks > 0 || is_cut || ss_halt_is_seen(&replay->halt);
+           replay->statistics.other_ticks > 0 || replay->is_uncounted || is_cut ||
+           ss_halt_is_seen(&replay->halt);
 }
 
 /* Plays, reports, closes. */

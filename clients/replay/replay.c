@@ -174,6 +174,7 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     }
     ++statistics->forces;
     ss_halt_take_force(&replay->halt, force, is_first);
+    ss_ticks_take_force(&replay->ticks, force);
     if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0) {
         note_refused(replay, force);
     } else if (is_first && force->pose_seq > replay->felt_seq) {
@@ -350,12 +351,15 @@ static ss_replay_result play_in_lockstep(ss_replay *replay)
 {
     ss_ticks *ticks = &replay->ticks;
     ss_replay_result result = result_of(ss_ticks_ask(ticks, replay->client));
-    const bool is_counted = ticks->statuses > 0;
+    const bool is_told = ticks->statuses > 0, is_counted = ticks->is_counted;
     const int64_t before = ticks->count;
     result = result == SS_REPLAY_DONE ? play(replay) : result;
-    if (result == SS_REPLAY_DONE && is_counted) {
-        result = result_of(ss_ticks_ask(ticks, replay->client));
-        replay->statistics.other_ticks = ticks->count - before - replay->statistics.poses;
+    if (result == SS_REPLAY_DONE && is_told) {
+        /* All is played, be it stopped now. */
+        result = ss_ticks_ask(ticks, replay->client) ? SS_REPLAY_DONE : SS_REPLAY_BROKEN;
+        const int64_t others = ticks->count - before - replay->statistics.poses;
+        replay->is_uncounted = !is_counted || !ticks->is_counted || others < 0;
+        replay->statistics.other_ticks = replay->is_uncounted ? 0 : others;
     }
     return result;
 }

@@ -66,6 +66,7 @@ typedef struct ss_replay {
     int64_t felt_us;                         /* its time in the log */
     ss_claim claim;
     ss_ticks ticks;
+    bool is_uncounted; /* whose ticks they were is not known: the server's count was not heard */
     ss_halt halt;
     bool is_over;                       /* nothing that comes is kept */
     int32_t refused_seq, refused_probe; /* the first refused for another sender; 0: none */

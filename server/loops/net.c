@@ -50,12 +50,14 @@ static void answer_lockstep(ss_loops *loops, const softsim_pose *pose, int32_t c
         return; /* the end has its tick, however long the loops take to see it */
     }
     softsim_force force[SOFTSIM_MAX_PROBES];
-    ss_world_lockstep(world, pose, &channel, 1, force);
+    const softsim_refusal refusal = ss_world_lockstep(world, pose, &channel, 1, force);
     if ((force[channel].flags & SOFTSIM_FORCE_OTHER_SENDER) == 0) {
         ++loops->forces[channel];
         ++loops->periods[channel];
         note_flags(loops, channel, force[channel].flags);
-        ss_prefix_owner_note_pose(&loops->prefix_owner, pose, ss_clock_now_ns());
+    }
+    if (refusal == SOFTSIM_ACCEPTED) {
+        ss_prefix_owner_note_pose(&loops->prefix_owner, channel, pose, ss_clock_now_ns());
     }
     loops->peak_force = fmax(loops->peak_force, ss_norm3(force[channel].force));
     /* Who uses the holder's number from another address gets none: the holder would take it. */
@@ -81,6 +83,7 @@ static void handle_pose(void *context, const softsim_pose *pose, int32_t channel
     ss_loops *loops = context;
     ss_world *world = loops->world;
     if (!loops->is_open) {
+        ss_prefix_owner_note_early(&loops->prefix_owner, channel, pose);
         return;
     }
     if (loops->options->lockstep) {
@@ -91,7 +94,7 @@ static void handle_pose(void *context, const softsim_pose *pose, int32_t channel
     const softsim_refusal refusal =
         ss_gate_judge(world->gate, pose, channel, receive_ns, &record.sender_epoch);
     if (refusal == SOFTSIM_ACCEPTED) {
-        ss_prefix_owner_note_pose(&loops->prefix_owner, pose, receive_ns);
+        ss_prefix_owner_note_pose(&loops->prefix_owner, channel, pose, receive_ns);
         loops->queue_refused += !ss_ring_push(world->probe[channel].poses, &record);
         if (!loops->is_answering) {
             ss_wake_signal(loops->haptic_fd);
@@ -110,8 +113,9 @@ static void handle_pose(void *context, const softsim_pose *pose, int32_t channel
 static void handle_refusal(void *context, softsim_refusal reason, int32_t channel)
 {
     ss_loops *loops = context;
-    (void)channel;
-    if (loops->is_open) {
+    if (loops->is_open && channel < 0) {
+        ss_gate_refuse_command(loops->world->gate);
+    } else if (loops->is_open) {
         ss_gate_refuse(loops->world->gate, reason);
     }
 }

@@ -11,6 +11,7 @@ static const int64_t SILENT_NS = 600000000; /* after its shutdown: two statuses 
 static const int64_t TAKEOVER_NS = 3000000000;
 static const int64_t TELL_NS = 1000000000; /* between two commands to shut down */
 static const int64_t HELD_NS = 1000000000; /* a client that has been silent for longer has left */
+static const int64_t AHEAD_NS = 500000000; /* of the other's first status: two of them */
 static const double YOUNG_S = 10.0;
 
 /* Handles what comes until `until_ns`, asking for statuses as it goes. False when LCM is broken. */
@@ -97,29 +98,54 @@ softsim_status ss_prefix_owner_claim(ss_net *net, const ss_options *options, sof
     return SOFTSIM_OK;
 }
 
-static bool is_there(const ss_prefix_hand *hand, int64_t now_ns)
+void ss_prefix_owner_note_early(ss_prefix_owner *owner, int32_t probe, const softsim_pose *pose)
 {
-    return hand->seen_ns != 0 && now_ns - hand->seen_ns <= HELD_NS;
+    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES) {
+        return;
+    }
+    owner->hand[probe].has_early = true;
+    owner->hand[probe].early_sender = pose->sender;
 }
 
-void ss_prefix_owner_note_pose(ss_prefix_owner *owner, const softsim_pose *pose, int64_t now_ns)
+void ss_prefix_owner_note_pose(ss_prefix_owner *owner, int32_t probe, const softsim_pose *pose,
+                               int64_t now_ns)
 {
-    ss_prefix_hand *hand = &owner->hand[pose->probe];
+    if (probe < 0 || probe >= SOFTSIM_MAX_PROBES) {
+        return;
+    }
+    ss_prefix_hand *hand = &owner->hand[probe];
     if (hand->seen_ns == 0 || hand->sender != pose->sender) {
         hand->sender = pose->sender;
-        hand->is_ours = pose->force_seq <= 0;
+        hand->first_ns = now_ns;
+        hand->is_from_other =
+            pose->force_seq > 0 || (hand->has_early && hand->early_sender == pose->sender);
     }
     hand->seen_ns = now_ns;
 }
 
 /* Is there a client that no other server has served? */
-static bool is_held(const ss_prefix_owner *owner, int64_t now_ns)
+static bool is_held(const ss_prefix_owner *owner, const ss_other_server *other, int64_t now_ns)
 {
     bool is_any = false;
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
-        is_any = is_any || (owner->hand[p].is_ours && is_there(&owner->hand[p], now_ns));
+        const ss_prefix_hand *hand = &owner->hand[p];
+        is_any = is_any || (hand->seen_ns != 0 && now_ns - hand->seen_ns <= HELD_NS &&
+                            !hand->is_from_other && other->first_ns - hand->first_ns >= AHEAD_NS);
     }
     return is_any;
+}
+
+ss_prefix_verdict ss_prefix_owner_judge(const ss_prefix_owner *owner, const ss_other_server *other,
+                                        bool is_takeover, int64_t now_ns)
+{
+    const double uptime_s = 1e-6 * (double)(now_ns / 1000 - owner->start_us);
+    if (uptime_s > YOUNG_S || !ss_other_server_is_alive(other, now_ns) ||
+        !ss_other_server_is_senior(other, uptime_s, owner->start_us)) {
+        return SS_PREFIX_STAY;
+    }
+    return is_takeover                     ? SS_PREFIX_TELL
+           : is_held(owner, other, now_ns) ? SS_PREFIX_STAY /* stderr_report.c warns */
+                                           : SS_PREFIX_GIVE_WAY;
 }
 
 bool ss_prefix_owner_hold(ss_prefix_owner *owner, ss_net *net, const ss_options *options,
@@ -127,24 +153,20 @@ bool ss_prefix_owner_hold(ss_prefix_owner *owner, ss_net *net, const ss_options 
 {
     const ss_other_server *other = ss_net_other_server(net);
     const int64_t now_ns = ss_clock_now_ns();
-    const double uptime_s = 1e-6 * (double)(now_ns / 1000 - owner->start_us);
-    if (uptime_s > YOUNG_S || !ss_other_server_is_alive(other, now_ns) ||
-        !ss_other_server_is_senior(other, uptime_s, owner->start_us)) {
-        return true;
-    }
-    if (options->takeover) {
+    switch (ss_prefix_owner_judge(owner, other, options->takeover, now_ns)) {
+    case SS_PREFIX_TELL:
         if (now_ns >= owner->next_shutdown_ns) {
             owner->next_shutdown_ns = now_ns + TELL_NS;
             ss_net_send_command(net, "shutdown");
         }
         return true;
+    case SS_PREFIX_GIVE_WAY:
+        softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
+                          "gives way to the server that was first on prefix %s: %.400s, up %.1f s; "
+                          "stop it, give this one another --prefix, or replace it with --takeover",
+                          options->prefix, other->status.scene, other->status.uptime_s);
+        return false;
+    default:
+        return true;
     }
-    if (is_held(owner, now_ns)) {
-        return true; /* stderr_report.c warns */
-    }
-    softsim_error_add(error, SOFTSIM_ERROR_NETWORK,
-                      "gives way to the server that was first on prefix %s: %.400s, up %.1f s; "
-                      "stop it, give this one another --prefix, or replace it with --takeover",
-                      options->prefix, other->status.scene, other->status.uptime_s);
-    return false;
 }

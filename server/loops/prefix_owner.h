@@ -13,11 +13,12 @@
  *                  shutdown instead, once a second
  *
  * A status can be forged. So beyond ten seconds a server only warns: clients let go while they hear
- * two (clients/common). And it only warns as long as a client holds a probe that came to this one:
- * who is served by an elder names that one's force in effect (`force_seq`) from its first pose on,
- * and then the younger gives way as it does without a client.
- * Rejected: that the other must answer the client's poses too (as easily forged as a status).
- * Thread: net.
+ * two (clients/common). And it only warns as long as a client holds a probe that came to this one.
+ * None such is who sent poses before this one was ready, who names a force in effect (`force_seq`)
+ * with its first pose, or who came less than half a second before the other was first heard, or
+ * later: statuses come four times a second, and the other may have served it. Then the younger
+ * gives way as it does without a client. Rejected: that the other must answer the client's poses
+ * too (as easily forged as a status). Thread: net.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -32,8 +33,10 @@ softsim_status ss_prefix_owner_claim(ss_net *net, const ss_options *options, sof
 /* Who holds a probe, or did last. */
 typedef struct ss_prefix_hand {
     int64_t sender;
-    int64_t seen_ns; /* when a pose of its was last accepted; 0: never */
-    bool is_ours;    /* its first one named no force: of another server, that is */
+    int64_t first_ns, seen_ns; /* when a pose of its was first and last accepted; 0: never */
+    bool is_from_other;        /* it sent before this server was ready, or named a force at once */
+    bool has_early;            /* somebody sent poses before: the last one, */
+    int64_t early_sender;
 } ss_prefix_hand;
 
 /* The prefix as held by a server that is ready since `start_us` of its clock. */
@@ -42,8 +45,21 @@ typedef struct ss_prefix_owner {
     int64_t next_shutdown_ns; /* --takeover: when the other may be told again */
     ss_prefix_hand hand[SOFTSIM_MAX_PROBES];
 } ss_prefix_owner;
-/* Takes an accepted pose; its probe is one. */
-void ss_prefix_owner_note_pose(ss_prefix_owner *owner, const softsim_pose *pose, int64_t now_ns);
-/* False when this server must give way, with a line in `error`. */
+/* Of two servers: stay; tell the other to shut down; give way. */
+typedef enum ss_prefix_verdict {
+    SS_PREFIX_STAY,
+    SS_PREFIX_TELL,
+    SS_PREFIX_GIVE_WAY
+} ss_prefix_verdict;
+
+/* Takes a pose on the channel of `probe` before this server is ready; what the pose itself names is
+ * not looked at, here and below. */
+void ss_prefix_owner_note_early(ss_prefix_owner *owner, int32_t probe, const softsim_pose *pose);
+/* Takes an accepted pose. */
+void ss_prefix_owner_note_pose(ss_prefix_owner *owner, int32_t probe, const softsim_pose *pose,
+                               int64_t now_ns);
+ss_prefix_verdict ss_prefix_owner_judge(const ss_prefix_owner *owner, const ss_other_server *other,
+                                        bool is_takeover, int64_t now_ns);
+/* Does as judged. False when this server must give way, with a line in `error`. */
 bool ss_prefix_owner_hold(ss_prefix_owner *owner, ss_net *net, const ss_options *options,
                           softsim_error *error);

@@ -287,6 +287,11 @@ void ss_gate_refuse(ss_gate *gate, softsim_refusal reason)
     }
 }
 
+void ss_gate_refuse_command(ss_gate *gate)
+{
+    atomic_fetch_add_explicit(&gate->refused[SOFTSIM_REFUSED_OTHER], 1, memory_order_relaxed);
+}
+
 void ss_gate_read(const ss_gate *gate, ss_gate_counts *out_counts)
 {
     out_counts->received = atomic_load_explicit(&gate->received, memory_order_relaxed);

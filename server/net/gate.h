@@ -39,10 +39,12 @@ bool ss_gate_may_answer_other(ss_gate *gate, const softsim_pose *pose, int32_t c
 void ss_gate_normalize(softsim_pose *pose);
 /* Counts what never became a pose. */
 void ss_gate_refuse(ss_gate *gate, softsim_refusal reason);
+/* Counts a command, of whatever is wrong with it: it is no pose, and none was received. */
+void ss_gate_refuse_command(ss_gate *gate);
 
 typedef struct ss_gate_counts {
-    int64_t received; /* whatever came in: accepted poses and all refused */
-    int64_t refused[SOFTSIM_REFUSED_COUNT];
+    int64_t received;                       /* accepted poses and all refused */
+    int64_t refused[SOFTSIM_REFUSED_COUNT]; /* other: commands too */
 } ss_gate_counts;
 /* Thread: any. */
 void ss_gate_read(const ss_gate *gate, ss_gate_counts *out_counts);

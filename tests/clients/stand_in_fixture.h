@@ -60,11 +60,14 @@ typedef struct server {
     bool is_state_foreign;       /* as another than who sends the forces */
     bool is_entering;            /* answers as to a tool that has come up inside the tissue */
     bool sends_status;
+    int counts_until; /* each command is answered by a lockstep server's count of poses,
+                         up to this fresh one */
 
     /* state */
     lcm_t *lcm, *next; /* that replaces the first */
     pthread_t thread;
     atomic_bool is_stopping;
+    atomic_int asked; /* commands since the last pose */
     atomic_int poses; /* that came, repeats included, questions not */
     int questions;
     int fresh, force_seq;
@@ -202,6 +205,7 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
         return;
     }
     ++s->poses;
+    s->asked = 0;
     const bool is_fresh = pose.seq != s->last_seq[probe];
     s->last_seq[probe] = pose.seq;
     if (is_fresh) {
@@ -272,6 +276,23 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
     }
 }
 
+static inline void on_command(const lcm_recv_buf_t *buffer, const char *channel, void *context)
+{
+    server *s = context;
+    static char none[] = "";
+    (void)buffer, (void)channel;
+    ++s->asked;
+    if (s->fresh <= s->counts_until && s->counts_until > 0) {
+        const softsim_server_status_t status = {.utime = (int64_t)(1e6 * process_now_s()),
+                                                .scene = none,
+                                                .model = none,
+                                                .reason = none,
+                                                .state_hash = 5,
+                                                .poses_received = s->fresh};
+        softsim_server_status_t_publish(s->lcm, "SOFTSIM_STATUS", &status);
+    }
+}
+
 static inline void *serve(void *argument)
 {
     server *s = argument;
@@ -301,6 +322,7 @@ static inline void start_server(void)
         lcm_subscribe(stand_in.lcm, "SOFTSIM_PROBE_[0-7]", on_pose, &stand_in);
     assert_non_null(all);
     lcm_subscription_set_queue_capacity(all, 10000);
+    assert_non_null(lcm_subscribe(stand_in.lcm, "SOFTSIM_COMMAND", on_command, &stand_in));
     assert_int_equal(pthread_create(&stand_in.thread, NULL, serve, &stand_in), 0);
 }
 

@@ -476,6 +476,21 @@ TEST(other_senders_are_answered_ten_times_a_second)
     ss_gate_destroy(&gate);
 }
 
+/* received - malformed - wrong type is what moved a lockstep server's time. */
+TEST(a_refused_command_is_no_pose)
+{
+    ss_gate *gate = gate_make(true);
+    ss_gate_counts counts;
+    ss_gate_refuse(gate, SOFTSIM_REFUSED_MALFORMED);
+    ss_gate_refuse_command(gate);
+    ss_gate_refuse_command(gate);
+    ss_gate_read(gate, &counts);
+    assert_int_equal(counts.received, 1);
+    assert_int_equal(counts.refused[SOFTSIM_REFUSED_MALFORMED], 1);
+    assert_int_equal(counts.refused[SOFTSIM_REFUSED_OTHER], 2);
+    ss_gate_destroy(&gate);
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);

@@ -292,6 +292,38 @@ TEST_WITH(answers_to_another_sender_count_nowhere, NULL, tear_down)
     assert_int_equal(process_finish(&server), 0);
 }
 
+/* The probe that a pose names itself is any number: it is refused, and answered on its channel. */
+TEST_WITH(a_pose_may_name_any_probe, NULL, tear_down)
+{
+    static const int32_t named[] = {-1, 8, 1000, 100000000, INT32_MIN, INT32_MAX};
+    const char *const argv[] = {"softsimd", KIDNEY, "--set", kidney_mesh(), "--lockstep", NULL};
+    start(argv);
+    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
+    assert_non_null(lcm);
+    softsim_contact_force_t_subscription_t *const heard =
+        softsim_contact_force_t_subscribe(lcm, "SOFTSIM_FORCE_[0-7]", on_force, NULL);
+    int32_t seq = 0;
+    for (int channel = 0; channel < SOFTSIM_MAX_PROBES; ++channel) {
+        char name[32];
+        snprintf(name, sizeof name, "SOFTSIM_PROBE_%d", channel);
+        for (size_t i = 0; i < sizeof named / sizeof *named; ++i) {
+            const softsim_probe_pose_t pose = {
+                .sender = 77, .seq = ++seq, .probe = named[i], PLAIN_POSE};
+            const int before = forces;
+            softsim_probe_pose_t_publish(lcm, name, &pose);
+            wait_for(lcm, &forces, before + 1, "an answer");
+            assert_int_equal(force.pose_seq, seq);
+            assert_int_equal(force.probe, channel);
+        }
+    }
+    send_pose(lcm, 1, 1, 0.2); /* none of them holds the probe */
+    assert_false(force.flags & SOFTSIM_FORCE_OTHER_SENDER);
+    softsim_contact_force_t_unsubscribe(lcm, heard);
+    lcm_destroy(lcm);
+    process_signal(&server, SIGTERM);
+    assert_int_equal(process_finish(&server), 0);
+}
+
 int main(void)
 {
     return process_run_tests(NULL, NULL);

@@ -6,8 +6,6 @@
  */
 #include "common/test.h"
 
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -93,48 +91,36 @@ TEST_WITH(of_two_that_run_the_younger_gives_way, make_folder, tear_down)
     assert_int_equal(stop_daemon(), 0);
 }
 
-/* A stranger who says that it was there first. */
-static void *forge_statuses(void *is_over)
-{
-    char scene[] = "forged.yaml", none[] = "";
-    softsim_server_status_t status = {
-        .scene = scene, .model = none, .reason = none, .uptime_s = 1e5, .utime = 200000000000};
-    lcm_t *lcm = lcm_create("udpm://239.255.76.67:7667?ttl=0");
-    while (lcm && !atomic_load((atomic_bool *)is_over)) {
-        softsim_server_status_t_publish(lcm, "SOFTSIM_STATUS", &status);
-        usleep(100000);
-        status.utime += 100000;
-        status.uptime_s += 0.1;
-    }
-    lcm_destroy(lcm);
-    return NULL;
-}
-
-/* With a client that came to it the younger stays: what another says of itself may be forged. */
-TEST_WITH(a_young_server_that_is_held_stays, make_folder, tear_down)
+/* A replay names no force in effect: who was served by the elder is told from who came to the
+ * younger by its having sent before. Where a busy machine held it back meanwhile, or the elder for
+ * ten seconds, the younger stays, and it is done again. */
+TEST_WITH(beside_a_client_of_the_elder_the_younger_gives_way, make_folder, tear_down)
 {
     static watch w;
-    static atomic_bool is_over;
-    pthread_t stranger;
-    const char *const argv[] = {"softsim-bridge", "--device", "sim", "--offset-m", "0,0,0.3", NULL};
+    const char *const replay[] = {"softsim-replay", POKE, "--repeat", "1000", NULL};
     start_daemon(tube(), NULL);
     watch_open(&w);
-    process_start(&client, argv, NULL);
+    process_start(&client, replay, NULL);
     watch_until(&w, is_answering, "a force");
-    assert_int_equal(pthread_create(&stranger, NULL, forge_statuses, &is_over), 0);
-    const bool is_warned = process_wait_for(
-        &daemon_process, "warning: another server answers on prefix SOFTSIM: forged.yaml");
-    w.forces = 0;
-    while (is_warned && w.forces < 500 && !process_has_ended(&daemon_process)) {
-        lcm_handle_timeout(w.lcm, 200);
-    }
-    atomic_store(&is_over, true);
-    pthread_join(stranger, NULL);
     watch_close(&w);
+    bool has_stayed = true;
+    for (int attempt = 0; attempt < 8 && has_stayed; ++attempt) {
+        process_signal(&daemon_process, SIGSTOP);
+        start_other(tube(), NULL);
+        const bool is_ready = process_wait_for(&other, "softsimd: ready");
+        process_signal(&daemon_process, SIGCONT);
+        assert_true(is_ready);
+        has_stayed = process_wait_for(&other, "warning: another server answers");
+        if (has_stayed) {
+            process_signal(&other, SIGTERM);
+        }
+        process_finish(&other);
+    }
+    assert_false(has_stayed);
+    assert_int_equal(other.status, 1);
+    expect_text(other.err, "gives way to the server that was first on prefix SOFTSIM: ");
     process_kill(&client);
     assert_int_equal(stop_daemon(), 0);
-    assert_true(is_warned);
-    assert_null(strstr(daemon_process.err, "gives way"));
 }
 
 /* Statuses that come once a second, as of a server that is held up, or of ever another server: who
