@@ -319,30 +319,53 @@ static ss_hand_verdict judge_untold(ss_untold *untold, const ss_hand_tick *now, 
 
 static void note_force(ss_silence *silence, const double force[3], const double torque[3])
 {
-    if (ss_is_finite(force, 3) && ss_norm3(force) > ss_norm3(silence->force)) {
-        ss_copy3(silence->force, force);
+    if (!ss_is_finite(force, 3)) {
+        return;
+    }
+    if (ss_norm3(force) >= ss_norm3(silence->strongest)) {
+        ss_copy3(silence->strongest, force);
         ss_copy3(silence->torque, torque);
+    }
+    if (ss_norm3(force) <= ss_norm3(silence->weakest)) {
+        ss_copy3(silence->weakest, force);
     }
 }
 
 /* What is in effect from this tick on. */
 static void note_sent(ss_silence *silence, const ss_hand_tick *now)
 {
+    const softsim_force *sent = now->sent;
     if (now->pose) {
-        ss_set3(silence->force, 0.0, 0.0, 0.0);
-        ss_set3(silence->torque, 0.0, 0.0, 0.0);
-        silence->sent_n = 0.0;
-        silence->contact_j = now->contact_j;
         silence->has_pose = true;
         silence->sender = now->pose->sender;
         silence->pose_tick = now->tick;
-        note_force(silence, now->pose->applied_force, now->sent->torque);
+        silence->contact_j = now->contact_j;
+        silence->sent_n = 0.0;
+        ss_copy3(silence->applied, now->pose->applied_force);
+        ss_copy3(silence->strongest, sent->force);
+        ss_copy3(silence->weakest, sent->force);
+        ss_copy3(silence->torque, sent->torque);
+        note_force(silence, silence->applied, sent->torque);
     }
-    silence->sent_n = fmax(silence->sent_n, ss_norm3(now->sent->force));
-    note_force(silence, now->sent->force, now->sent->torque);
+    silence->sent_n = fmax(silence->sent_n, ss_norm3(sent->force));
+    note_force(silence, sent->force, sent->torque);
 }
 
-/* J, by the last pose's contact and the strongest force all the way to this one. */
+/* J, on the way from the last pose to this one. */
+static double given_unseen(const ss_silence *silence, const softsim_pose *pose, const double way[3],
+                           const double turn[3])
+{
+    double force[3];
+    ss_add3(force, silence->applied, pose->applied_force);
+    ss_scale3(force, force, 0.5);
+    const bool is_corrected = (pose->flags & SOFTSIM_POSE_CORRECTS) != 0 && ss_is_finite(force, 3);
+    const double given =
+        is_corrected ? ss_dot3(force, way)
+                     : fmax(ss_dot3(silence->strongest, way), ss_dot3(silence->weakest, way));
+    return given + ss_dot3(silence->torque, turn);
+}
+
+/* J, that the contact has handed out with it. */
 static double add_unseen(ss_silence *silence, const ss_hand_tick *now, double given)
 {
     const double handed_out = silence->unseen_j + given - silence->contact_j;
@@ -367,8 +390,9 @@ static ss_hand_verdict judge_silence(ss_silence *silence, const ss_hand_tick *no
             "see that the device's program sends them without a break, and that nothing on the "
             "way to the server holds them up"};
     }
-    const double given = ss_dot3(silence->force, way) + ss_dot3(silence->torque, turn);
-    const bool is_unseen = given > 0.0 && ticks < LET_GO_TICKS && interval * now->period >= longest;
+    const double given = given_unseen(silence, now->pose, way, turn);
+    const bool is_unseen = ss_norm3(silence->strongest) > contact_force && ticks < LET_GO_TICKS &&
+                           interval * now->period >= longest;
     const double handed_out =
         is_unseen ? add_unseen(silence, now, given) : silence->unseen_j - now->contact_j;
     const bool is_known = !is_unseen && !(silence->unseen_j > 0.0);

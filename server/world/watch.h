@@ -87,10 +87,12 @@
  *
  *   E' = E - F.(x_after - x_before) - T.theta,   E the observer's sum as of the pose before
  *
- * E' below -10 mJ is guarded, and what the observer does not have of it counts to the end of its
- * contact. Where the watchdog let go of a force it is guarded whatever the way: how far the hand
- * went nobody knows. That is told when the same device is heard again; one that never comes back
- * has gone, or is another. Never degraded: a client that corrects takes away some of it.
+ * For a client that corrects and tells its force, which falls with the way, F is the mean of what
+ * it told before and after. E' below -10 mJ is guarded, and what the observer does not have of it
+ * counts to the end of its contact. Where the watchdog let go of a force it is guarded whatever the
+ * way: how far the hand went nobody knows. That is told when the same device is heard again; one
+ * that never comes back has gone, or is another. Never degraded: it is a bound, and not what was
+ * measured.
  *
  * Nothing here changes a force or a state, but for the fault. All of it is RT-safe.
  */
@@ -154,12 +156,14 @@ typedef struct ss_untold {
 /* A device whose poses may stop. Start from zero. */
 typedef struct ss_silence {
     bool has_pose;
-    int64_t sender, pose_tick;  /* of the last pose, and its tick */
-    double usual;               /* ticks from pose to pose, smoothed */
-    double contact_j;           /* as of the last pose */
-    double force[3], torque[3]; /* the strongest since, told or sent, and what was sent with it */
-    double sent_n;              /* N, the strongest sent since */
-    double unseen_j;            /* J, in this contact, beyond what the observer counts */
+    int64_t sender, pose_tick;      /* of the last pose, and its tick */
+    double usual;                   /* ticks from pose to pose, smoothed */
+    double contact_j;               /* as of the last pose */
+    double strongest[3], torque[3]; /* N, since, told or sent; N m, what was sent with it */
+    double weakest[3];              /* N */
+    double applied[3];              /* N, told with the last pose, where it was */
+    double sent_n;                  /* N, the strongest sent since */
+    double unseen_j;                /* J, in this contact, beyond what the observer counts */
 } ss_silence;
 
 /* One probe. Thread: haptic. Start from zero. */

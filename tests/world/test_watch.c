@@ -453,7 +453,7 @@ typedef struct silence {
     int superseded;         /* poses that come with the next one */
     int64_t sender;         /* of that pose; 1 before */
     double let_in_j;
-    bool is_lockstep;
+    bool is_lockstep, corrects;
     const char *word; /* of the reason, "": the verdict is good */
 } silence;
 
@@ -472,6 +472,10 @@ static void assert_silence(const silence *c)
         const bool is_back = k == last + c->ticks;
         softsim_pose pose = at_depth(is_back ? 0.0 : c->metres, k);
         pose.sender = is_back ? c->sender : 1;
+        if (c->corrects) {
+            pose.flags = SOFTSIM_POSE_CORRECTS;
+            ss_set3(pose.applied_force, 0.0, 0.0, is_back ? 0.0 : c->newtons);
+        }
         now.tick = k;
         now.pose = is_back || (k <= last && k % c->period == 0) ? &pose : NULL;
         now.superseded = is_back ? c->superseded : 0;
@@ -491,16 +495,19 @@ static void assert_silence(const silence *c)
 TEST(a_hand_that_leaves_while_poses_stop_is_told)
 {
     static const silence rows[] = {
-        {45, 3.0, 0.015, 1, 0, 1, 0.0, false, "stopped for 20 ms"},
-        {22, 3.0, 0.015, 1, 0, 1, 0.0, false, "stopped for 20 ms"},
-        {15, 3.0, 0.015, 1, 0, 1, 0.0, false, ""},
-        {45, 3.0, 0.004, 1, 0, 1, 0.0, false, ""},  /* 8 mJ */
-        {45, 3.0, 0.015, 1, 0, 1, 0.05, false, ""}, /* let in before */
-        {45, 3.0, 0.015, 1, 44, 1, 0.0, false, ""}, /* all come at once */
-        {45, 3.0, 0.015, 1, 0, 2, 0.0, false, ""},
-        {45, 0.0, 0.015, 1, 0, 1, 0.0, false, ""},
-        {20, 3.0, 0.015, 10, 0, 1, 0.0, false, ""}, /* 100 Hz, one of them lost */
-        {45, 3.0, 0.015, 10, 0, 1, 0.0, false, "stopped for 20 ms"}};
+        {45, 3.0, 0.015, 1, 0, 1, 0.0, false, false, "stopped for 20 ms"},
+        {22, 3.0, 0.015, 1, 0, 1, 0.0, false, false, "stopped for 20 ms"},
+        {15, 3.0, 0.015, 1, 0, 1, 0.0, false, false, ""},
+        {45, 3.0, 0.004, 1, 0, 1, 0.0, false, false, ""},  /* 8 mJ */
+        {45, 3.0, 0.015, 1, 0, 1, 0.05, false, false, ""}, /* let in before */
+        {45, 3.0, 0.015, 1, 44, 1, 0.0, false, false, ""}, /* all come at once */
+        {45, 3.0, 0.015, 1, 0, 2, 0.0, false, false, ""},
+        {45, 0.0, 0.015, 1, 0, 1, 0.0, false, false, ""},
+        {20, 3.0, 0.015, 10, 0, 1, 0.0, false, false, ""}, /* 100 Hz, one of them lost */
+        {45, 3.0, 0.015, 10, 0, 1, 0.0, false, false, "stopped for 20 ms"},
+        {45, 3.0, 0.008, 1, 0, 1, 0.0, false, false, "stopped for 20 ms"},
+        {45, 3.0, 0.008, 1, 0, 1, 0.0, false, true, ""}, /* half as much */
+        {45, 3.0, 0.015, 1, 0, 1, 0.0, false, true, "stopped for 20 ms"}};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
         assert_silence(&rows[k]);
     }
@@ -510,11 +517,12 @@ TEST(a_hand_that_leaves_while_poses_stop_is_told)
  * or is another, nothing is said. In lockstep time waits. */
 TEST(a_force_that_the_watchdog_let_go_is_told)
 {
-    static const silence rows[] = {{50, 0.5, 0.0, 1, 0, 1, 0.0, false, "stopped for 50 ticks"},
-                                   {700, 3.0, 0.1, 1, 0, 1, 0.0, false, "stopped for 50 ticks"},
-                                   {700, 3.0, 0.1, 1, 0, 2, 0.0, false, ""},
-                                   {700, 0.0, 0.1, 1, 0, 1, 0.0, false, ""},
-                                   {700, 3.0, 0.1, 1, 0, 1, 0.0, true, ""}};
+    static const silence rows[] = {
+        {50, 0.5, 0.0, 1, 0, 1, 0.0, false, false, "stopped for 50 ticks"},
+        {700, 3.0, 0.1, 1, 0, 1, 0.0, false, false, "stopped for 50 ticks"},
+        {700, 3.0, 0.1, 1, 0, 2, 0.0, false, false, ""},
+        {700, 0.0, 0.1, 1, 0, 1, 0.0, false, false, ""},
+        {700, 3.0, 0.1, 1, 0, 1, 0.0, true, false, ""}};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
         assert_silence(&rows[k]);
     }
@@ -539,6 +547,29 @@ TEST(what_a_silence_gave_counts_to_the_end_of_the_contact)
             assert_true(k >= 120 || !is_telling(&watch, k));
         }
         assert_int_equal(is_telling(&watch, 200), is_same_contact);
+    }
+}
+
+/* In by 10 mm in a silence, from a touch of 0.1 N, and out again by the 1.5 N that have come
+ * meanwhile: the observer took them for what was spent on the way in. */
+TEST(what_a_hand_spent_while_poses_stopped_is_not_taken_for_granted)
+{
+    for (int is_silent = 0; is_silent < 2; ++is_silent) {
+        ss_hand_watch watch = {.until = 0};
+        ss_hand_tick now = {.max_force_n = 8.0, .period = 1e-3};
+        for (int k = 1; k <= 200; ++k) {
+            const double depth =
+                0.01 * fmin(fmax(0.0, (k - 100) / 40.0), fmax(0.0, (200 - k) / 60.0));
+            const softsim_force sent = push_up(k < 101 ? 0.1 : 1.5);
+            const softsim_pose pose = at_depth(depth, k);
+            now.tick = k;
+            now.pose = !is_silent || k <= 100 || k > 140 ? &pose : NULL;
+            now.sent = &sent;
+            now.contact_j = now.pose ? 1e-6 + 1.5 * depth : now.contact_j;
+            ss_hand_watch_tick(&watch, &now);
+            assert_true(k > 160 || !is_telling(&watch, k));
+        }
+        assert_int_equal(is_telling(&watch, 200), is_silent);
     }
 }
 
