@@ -83,7 +83,8 @@
  * meanwhile is given what belongs to where it was, and the first pose after it tells the last force
  * alone. (A kidney, taps, a hand of .8 kg: 43 mJ in a silence of 60 ms, of which the observer
  * had 4.) So with a clock, and 20 ms more between two poses than usual, or 40 ms, the hand is taken
- * to have gone all the way with the strongest force of that time, told or sent:
+ * to have gone all the way out with the strongest force of that time, told or sent, or all the way
+ * in with the weakest (pressed by 13 mm meanwhile one had spent 5 mJ, by the last force 14):
  *
  *   E' = E - F.(x_after - x_before) - T.theta,   E the observer's sum as of the pose before
  *
