@@ -24,6 +24,10 @@ static const double untold_short = 0.5;                   /* s */
 static const double most_untold = 0.03;                   /* J, U */
 static const double most_untold_shaken = 0.008;           /* J, V */
 static const double most_period = 0.01;                   /* s: the filter's */
+static const double silence_time = 0.02;                  /* s: beyond the usual */
+static const double usual_share = 0.02;                   /* of a new interval in the usual one */
+static const double contact_force = 0.02;                 /* N: less is no contact */
+enum { LET_GO_TICKS = 50 };                               /* the haptic loop's watchdog */
 
 /* ---- tissue ---- */
 
@@ -311,6 +315,98 @@ static ss_hand_verdict judge_untold(ss_untold *untold, const ss_hand_tick *now, 
     return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
 }
 
+/* ---- silence ---- */
+
+static void note_force(ss_silence *silence, const double force[3], const double torque[3])
+{
+    if (!ss_is_finite(force, 3)) {
+        return;
+    }
+    if (ss_norm3(force) >= ss_norm3(silence->strongest)) {
+        ss_copy3(silence->strongest, force);
+        ss_copy3(silence->torque, torque);
+    }
+    if (ss_norm3(force) <= ss_norm3(silence->weakest)) {
+        ss_copy3(silence->weakest, force);
+    }
+}
+
+/* What is in effect from this tick on. */
+static void note_sent(ss_silence *silence, const ss_hand_tick *now)
+{
+    const softsim_force *sent = now->sent;
+    if (now->pose) {
+        silence->has_pose = true;
+        silence->sender = now->pose->sender;
+        silence->pose_tick = now->tick;
+        silence->contact_j = now->contact_j;
+        silence->sent_n = 0.0;
+        ss_copy3(silence->applied, now->pose->applied_force);
+        ss_copy3(silence->strongest, sent->force);
+        ss_copy3(silence->weakest, sent->force);
+        ss_copy3(silence->torque, sent->torque);
+        note_force(silence, silence->applied, sent->torque);
+    }
+    silence->sent_n = fmax(silence->sent_n, ss_norm3(sent->force));
+    note_force(silence, sent->force, sent->torque);
+}
+
+/* J, on the way from the last pose to this one. */
+static double given_unseen(const ss_silence *silence, const softsim_pose *pose, const double way[3],
+                           const double turn[3])
+{
+    double force[3];
+    ss_add3(force, silence->applied, pose->applied_force);
+    ss_scale3(force, force, 0.5);
+    const bool is_corrected = (pose->flags & SOFTSIM_POSE_CORRECTS) != 0 && ss_is_finite(force, 3);
+    const double given =
+        is_corrected ? ss_dot3(force, way)
+                     : fmax(ss_dot3(silence->strongest, way), ss_dot3(silence->weakest, way));
+    return given + ss_dot3(silence->torque, turn);
+}
+
+/* J, that the contact has handed out with it. */
+static double add_unseen(ss_silence *silence, const ss_hand_tick *now, double given)
+{
+    const double handed_out = silence->unseen_j + given - silence->contact_j;
+    silence->unseen_j = fmax(silence->unseen_j, handed_out + now->contact_j);
+    return handed_out;
+}
+
+/* A force that went on while nobody knew where the hand was. */
+static ss_hand_verdict judge_silence(ss_silence *silence, const ss_hand_tick *now, double let_in,
+                                     const double way[3], const double turn[3])
+{
+    const double ticks = (double)(now->tick - silence->pose_tick);
+    const double interval = ticks / (1.0 + fmax(0.0, now->superseded));
+    const double usual = fmin(silence->usual > 0.0 ? silence->usual : interval, LET_GO_TICKS);
+    const double longest = fmin(usual * now->period, silence_time) + silence_time;
+    silence->usual = usual + usual_share * (fmin(interval, LET_GO_TICKS) - usual);
+    if (ticks >= LET_GO_TICKS && silence->sent_n > contact_force) {
+        silence->unseen_j = 0.0;
+        return (ss_hand_verdict){
+            SOFTSIM_VERDICT_GUARDED,
+            "poses stopped for 50 ticks or more in contact: the force stayed, and was then let go; "
+            "see that the device's program sends them without a break, and that nothing on the "
+            "way to the server holds them up"};
+    }
+    const double given = given_unseen(silence, now->pose, way, turn);
+    const bool is_unseen = ss_norm3(silence->strongest) > contact_force && ticks < LET_GO_TICKS &&
+                           interval * now->period >= longest;
+    const double handed_out =
+        is_unseen ? add_unseen(silence, now, given) : silence->unseen_j - now->contact_j;
+    const bool is_known = !is_unseen && !(silence->unseen_j > 0.0);
+    silence->unseen_j = now->contact_j == 0.0 ? 0.0 : silence->unseen_j;
+    if (!is_known && handed_out - fmax(0.0, let_in) > most_handed_out) {
+        return (ss_hand_verdict){
+            SOFTSIM_VERDICT_GUARDED,
+            "poses stopped for 20 ms or more in contact, and the force of where the hand had been "
+            "may have handed it more than 10 mJ: see that the device's program sends them without "
+            "a break, and that nothing on the way to the server holds them up"};
+    }
+    return (ss_hand_verdict){SOFTSIM_VERDICT_GOOD, ""};
+}
+
 void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
 {
     double handed_out = 0.0, given[SS_SUPPLY_DEVICES] = {0.0};
@@ -322,7 +418,8 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
                                  .until = watch->until,
                                  .device_j = now->device_j,
                                  .others_j = now->others_j,
-                                 .load_work = watch->load_work};
+                                 .load_work = watch->load_work,
+                                 .silence = watch->silence};
     }
     const bool is_spell = is_spell_on(watch, now);
     const bool is_counted = is_spell || now->contact_j != 0.0;
@@ -352,6 +449,16 @@ void ss_hand_watch_tick(ss_hand_watch *watch, const ss_hand_tick *now)
     ss_hand_verdict found = ss_hand_verdict_worse(
         ss_hand_verdict_worse(judge_hand(handed_out, watch->let_in, made), judge_trail(watch, now)),
         judge_shaking(watch, now));
+    if (now->pose && !now->is_lockstep) {
+        ss_silence *silence = &watch->silence;
+        if (silence->has_pose && silence->sender == now->pose->sender) {
+            found =
+                ss_hand_verdict_worse(found, judge_silence(silence, now, watch->let_in, way, turn));
+        } else {
+            *silence = (ss_silence){.has_pose = false};
+        }
+    }
+    note_sent(&watch->silence, now);
     const bool is_told =
         now->pose ? is_named || (now->pose->flags & SOFTSIM_POSE_CORRECTS) != 0 : watch->is_told;
     watch->is_told = is_told;

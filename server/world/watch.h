@@ -79,6 +79,22 @@
  * would have told is taken as the mean of the force before and after (125 Hz, a sixth lost: 14.6
  * mJ, not 9.5; given 16.6).
  *
+ * Silence. While poses stop, the force stays for 50 ticks and then goes in 20: a hand that leaves
+ * meanwhile is given what belongs to where it was, and the first pose after it tells the last force
+ * alone. (A kidney, taps, a hand of .8 kg: 43 mJ in a silence of 60 ms, of which the observer
+ * had 4.) So with a clock, and 20 ms more between two poses than usual, or 40 ms, the hand is taken
+ * to have gone all the way out with the strongest force of that time, told or sent, or all the way
+ * in with the weakest (pressed by 13 mm meanwhile one had spent 5 mJ, by the last force 14):
+ *
+ *   E' = E - F.(x_after - x_before) - T.theta,   E the observer's sum as of the pose before
+ *
+ * For a client that corrects and tells its force, which falls with the way, F is the mean of what
+ * it told before and after. E' below -10 mJ is guarded, and what the observer does not have of it
+ * counts to the end of its contact. Where the watchdog let go of a force it is guarded whatever the
+ * way: how far the hand went nobody knows. That is told when the same device is heard again; one
+ * that never comes back has gone, or is another. Never degraded: it is a bound, and not what was
+ * measured.
+ *
  * Nothing here changes a force or a state, but for the fault. All of it is RT-safe.
  */
 #include <stdbool.h>
@@ -138,6 +154,19 @@ typedef struct ss_untold {
     int64_t since, touched; /* tick of the first and of the last force */
 } ss_untold;
 
+/* A device whose poses may stop. Start from zero. */
+typedef struct ss_silence {
+    bool has_pose;
+    int64_t sender, pose_tick;      /* of the last pose, and its tick */
+    double usual;                   /* ticks from pose to pose, smoothed */
+    double contact_j;               /* as of the last pose */
+    double strongest[3], torque[3]; /* N, since, told or sent; N m, what was sent with it */
+    double weakest[3];              /* N */
+    double applied[3];              /* N, told with the last pose, where it was */
+    double sent_n;                  /* N, the strongest sent since */
+    double unseen_j;                /* J, in this contact, beyond what the observer counts */
+} ss_silence;
+
 /* One probe. Thread: haptic. Start from zero. */
 typedef struct ss_hand_watch {
     bool has_pose;
@@ -152,6 +181,7 @@ typedef struct ss_hand_watch {
     double last_force[3], shaking;       /* N; S, N */
     ss_supply supply;
     ss_untold untold;
+    ss_silence silence;
     bool is_alone;             /* by the last pose: applied_force without force_seq */
     int32_t seq;               /* of the last pose */
     double applied[3], lost_j; /* N, of the last pose, where known; J, in this contact */

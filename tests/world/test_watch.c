@@ -444,6 +444,135 @@ TEST(what_a_lost_pose_would_have_told_is_counted)
     assert_int_equal(verdict_with_lost(1, 0, 2.0, 2.0), SOFTSIM_VERDICT_GOOD);
 }
 
+/* ---- a device whose poses stop ---- */
+
+typedef struct silence {
+    int ticks;              /* to the next pose */
+    double newtons, metres; /* of the force meanwhile; out, by that pose */
+    int period;             /* ticks from pose to pose before */
+    int superseded;         /* poses that come with the next one */
+    int64_t sender;         /* of that pose; 1 before */
+    double let_in_j;
+    bool is_lockstep, corrects;
+    const char *word; /* of the reason, "": the verdict is good */
+} silence;
+
+/* Pressed for half a second, and then silence; the contact has taken 4 mJ before. */
+static void assert_silence(const silence *c)
+{
+    ss_hand_watch watch = {.until = 0};
+    const softsim_force sent = push_up(c->newtons);
+    ss_hand_tick now = {.max_force_n = 8.0,
+                        .period = 1e-3,
+                        .sent = &sent,
+                        .contact_j = 0.004,
+                        .is_lockstep = c->is_lockstep};
+    const int last = 500 * c->period;
+    for (int k = 1; k <= last + c->ticks; ++k) {
+        const bool is_back = k == last + c->ticks;
+        softsim_pose pose = at_depth(is_back ? 0.0 : c->metres, k);
+        pose.sender = is_back ? c->sender : 1;
+        if (c->corrects) {
+            pose.flags = SOFTSIM_POSE_CORRECTS;
+            ss_set3(pose.applied_force, 0.0, 0.0, is_back ? 0.0 : c->newtons);
+        }
+        now.tick = k;
+        now.pose = is_back || (k <= last && k % c->period == 0) ? &pose : NULL;
+        now.superseded = is_back ? c->superseded : 0;
+        now.sender_epoch = is_back && c->ticks >= 50 ? 2 : 1;
+        now.let_in_j = is_back ? c->let_in_j : 0.0;
+        now.contact_j = is_back ? 0.0 : now.contact_j;
+        ss_hand_watch_tick(&watch, &now);
+        assert_true(is_back || !is_telling(&watch, k));
+    }
+    const ss_hand_verdict told = ss_hand_watch_verdict(&watch, now.tick);
+    assert_int_equal(told.verdict,
+                     c->word[0] != '\0' ? SOFTSIM_VERDICT_GUARDED : SOFTSIM_VERDICT_GOOD);
+    assert_non_null(strstr(told.reason, c->word));
+}
+
+/* The observer has the force of the last pose alone, which is none where the hand has left. */
+TEST(a_hand_that_leaves_while_poses_stop_is_told)
+{
+    static const silence rows[] = {
+        {45, 3.0, 0.015, 1, 0, 1, 0.0, false, false, "stopped for 20 ms"},
+        {22, 3.0, 0.015, 1, 0, 1, 0.0, false, false, "stopped for 20 ms"},
+        {15, 3.0, 0.015, 1, 0, 1, 0.0, false, false, ""},
+        {45, 3.0, 0.004, 1, 0, 1, 0.0, false, false, ""},  /* 8 mJ */
+        {45, 3.0, 0.015, 1, 0, 1, 0.05, false, false, ""}, /* let in before */
+        {45, 3.0, 0.015, 1, 44, 1, 0.0, false, false, ""}, /* all come at once */
+        {45, 3.0, 0.015, 1, 0, 2, 0.0, false, false, ""},
+        {45, 0.0, 0.015, 1, 0, 1, 0.0, false, false, ""},
+        {20, 3.0, 0.015, 10, 0, 1, 0.0, false, false, ""}, /* 100 Hz, one of them lost */
+        {45, 3.0, 0.015, 10, 0, 1, 0.0, false, false, "stopped for 20 ms"},
+        {45, 3.0, 0.008, 1, 0, 1, 0.0, false, false, "stopped for 20 ms"},
+        {45, 3.0, 0.008, 1, 0, 1, 0.0, false, true, ""}, /* half as much */
+        {45, 3.0, 0.015, 1, 0, 1, 0.0, false, true, "stopped for 20 ms"}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
+        assert_silence(&rows[k]);
+    }
+}
+
+/* How far a hand had gone before the watchdog let go nobody knows; of one that has not come back,
+ * or is another, nothing is said. In lockstep time waits. */
+TEST(a_force_that_the_watchdog_let_go_is_told)
+{
+    static const silence rows[] = {
+        {50, 0.5, 0.0, 1, 0, 1, 0.0, false, false, "stopped for 50 ticks"},
+        {700, 3.0, 0.1, 1, 0, 1, 0.0, false, false, "stopped for 50 ticks"},
+        {700, 3.0, 0.1, 1, 0, 2, 0.0, false, false, ""},
+        {700, 0.0, 0.1, 1, 0, 1, 0.0, false, false, ""},
+        {700, 3.0, 0.1, 1, 0, 1, 0.0, true, false, ""}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; ++k) {
+        assert_silence(&rows[k]);
+    }
+}
+
+/* 8 mJ in a silence that the observer did not see, and 5 mJ after it that it did. */
+TEST(what_a_silence_gave_counts_to_the_end_of_the_contact)
+{
+    for (int is_same_contact = 0; is_same_contact < 2; ++is_same_contact) {
+        ss_hand_watch watch = {.until = 0};
+        const softsim_force sent = push_up(2.0);
+        ss_hand_tick now = {.max_force_n = 8.0, .period = 1e-3, .sent = &sent};
+        for (int k = 1; k <= 200; ++k) {
+            const softsim_pose pose = at_depth(k < 100 ? 0.004 : 0.0, k);
+            now.tick = k;
+            now.pose = k < 60 || k >= 100 ? &pose : NULL;
+            now.contact_j = k < 100                        ? 1e-6
+                            : k < 120                      ? -1e-6
+                            : k == 120 && !is_same_contact ? 0.0
+                                                           : -0.005;
+            ss_hand_watch_tick(&watch, &now);
+            assert_true(k >= 120 || !is_telling(&watch, k));
+        }
+        assert_int_equal(is_telling(&watch, 200), is_same_contact);
+    }
+}
+
+/* In by 10 mm in a silence, from a touch of 0.1 N, and out again by the 1.5 N that have come
+ * meanwhile: the observer took them for what was spent on the way in. */
+TEST(what_a_hand_spent_while_poses_stopped_is_not_taken_for_granted)
+{
+    for (int is_silent = 0; is_silent < 2; ++is_silent) {
+        ss_hand_watch watch = {.until = 0};
+        ss_hand_tick now = {.max_force_n = 8.0, .period = 1e-3};
+        for (int k = 1; k <= 200; ++k) {
+            const double depth =
+                0.01 * fmin(fmax(0.0, (k - 100) / 40.0), fmax(0.0, (200 - k) / 60.0));
+            const softsim_force sent = push_up(k < 101 ? 0.1 : 1.5);
+            const softsim_pose pose = at_depth(depth, k);
+            now.tick = k;
+            now.pose = !is_silent || k <= 100 || k > 140 ? &pose : NULL;
+            now.sent = &sent;
+            now.contact_j = now.pose ? 1e-6 + 1.5 * depth : now.contact_j;
+            ss_hand_watch_tick(&watch, &now);
+            assert_true(k > 160 || !is_telling(&watch, k));
+        }
+        assert_int_equal(is_telling(&watch, 200), is_silent);
+    }
+}
+
 int main(void)
 {
     return run_all_tests(NULL, NULL);
