@@ -293,6 +293,12 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 "heard; play it again\n",
                 program);
     }
+    if (replay->held_seq > 0) {
+        fprintf(stderr,
+                "%s: this program was held up for %.1f s at pose %" PRId32
+                ": what was sent in a burst is not felt one by one; play it again\n",
+                program, replay->held_s, replay->held_seq);
+    }
     if (replay->statistics.other_ticks > 0) {
         fprintf(
             stderr,
@@ -308,8 +314,8 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
                 1e-6 * (double)replay->played_us);
     }
     return replay->changed_seq > 0 || replay->refused_seq > 0 || replay->gap_seq > 0 ||
-           replay->statistics.other_ticks > 0 || replay->is_uncounted || is_cut ||
-           ss_halt_is_seen(&replay->halt);
+           replay->held_seq > 0 || replay->statistics.other_ticks > 0 || replay->is_uncounted ||
+           is_cut || ss_halt_is_seen(&replay->halt);
 }
 
 /* Plays, reports, closes. */

@@ -311,6 +311,17 @@ static ss_replay_result result_of(bool is_connected)
                                      : SS_REPLAY_DONE;
 }
 
+/* The next pose is so late. What comes at once, from one pose to the next, is no slow machine's. */
+static void note_late(ss_replay *replay, int64_t late_ns)
+{
+    const double held_s = 1e-9 * (double)(late_ns - replay->late_ns);
+    replay->late_ns = late_ns;
+    if (held_s >= long_s && replay->held_seq == 0) {
+        replay->held_seq = replay->seq + 1;
+        replay->held_s = held_s;
+    }
+}
+
 /* Plays the whole log so many times. */
 static ss_replay_result play(ss_replay *replay)
 {
@@ -337,8 +348,10 @@ static ss_replay_result play(ss_replay *replay)
                 continue;
             }
             const double elapsed_ns = 1e3 * (double)last_us / replay->speed;
-            result = wait_until(replay, start_ns + (int64_t)elapsed_ns, -1);
+            const int64_t due_ns = start_ns + (int64_t)elapsed_ns;
+            result = wait_until(replay, due_ns, -1);
             if (result == SS_REPLAY_DONE) {
+                note_late(replay, softsim_client_now_ns() - due_ns);
                 send_pose(replay, &event, last_us);
             }
         }

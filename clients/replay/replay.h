@@ -15,8 +15,10 @@
  *
  * What else makes the forces others than those of the log is noted, and played on: poses refused
  * since another sender holds the probe, which a paced replay waits for before it begins (claim.h);
- * a second of a paced one without an answer; in lockstep, ticks that others' poses made (ticks.h);
- * forces of a server that is at fault or paused (halt.h).
+ * a second of a paced one without an answer, or in which this program did not run (it was
+ * suspended) and after which it sends at once what is late; in lockstep, ticks that others' poses
+ * made (ticks.h); forces of a server that is at fault or paused (halt.h).
+ *
  * Thread: main.
  */
 #include <stdbool.h>
@@ -73,6 +75,9 @@ typedef struct ss_replay {
     int32_t gap_seq;     /* the first of those that went without an answer for long; 0: none */
     int64_t gap_us;      /* its time in the log, */
     double gap_s;        /* and how long */
+    int64_t late_ns;     /* behind the log's time, as the last pose was sent */
+    int32_t held_seq;    /* the first pose before which this program was held up; 0: none */
+    double held_s;       /* for so long */
     int32_t changed_seq; /* the first that another server answers; 0: none */
     bool has_told_lost;  /* that a recording could not be written on */
     int32_t seq;         /* of the last pose sent */

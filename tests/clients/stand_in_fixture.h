@@ -480,6 +480,20 @@ static inline void run_until_stopped(const char *const *argv, int signal, int st
     stop_server();
 }
 
+/* Stops the child after a hundred poses, for a second and a half of the clock or more. */
+static inline void suspend_child(void)
+{
+    while (stand_in.poses < 100 && !process_has_ended(&child)) {
+        poll(NULL, 0, 5);
+    }
+    process_signal(&child, SIGSTOP);
+    const double begin_s = process_now_s();
+    while (process_now_s() - begin_s < 1.5) {
+        poll(NULL, 0, 100);
+    }
+    process_signal(&child, SIGCONT);
+}
+
 /* Until a recording has something in it; it is flushed once a second. */
 static inline void wait_for_file(const char *path)
 {
