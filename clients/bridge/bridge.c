@@ -396,6 +396,25 @@ static ss_speakers read_speakers(const ss_bridge *bridge, const softsim_client *
                          .changes = softsim_client_server_changes(client)};
 }
 
+/* A period that was due at `tick_ns` and comes so late that what it would have felt is missing,
+ * though forces that lay unread meanwhile look as if none had been away. */
+static void note_held(ss_bridge *bridge, int64_t tick_ns, int64_t now_ns)
+{
+    ss_bridge_summary *summary = &bridge->summary;
+    if (now_ns - tick_ns >= long_ns && bridge->held_ns == 0) {
+        bridge->held_ns = tick_ns;
+        summary->held_s = 1e-9 * (double)(now_ns - tick_ns);
+        summary->has_gap = true;
+    }
+    if (bridge->held_ns != 0 && !bridge->is_held_told) {
+        bridge->is_held_told =
+            tell(bridge,
+                 "this program was held up for %.1f s at %.1f s: nothing was felt or exerted anew "
+                 "meanwhile; start the bridge again",
+                 summary->held_s, 1e-9 * (double)(bridge->held_ns - bridge->start_ns));
+    }
+}
+
 /* Another server is taken up, but said once, as soon as stderr takes it: the hand may stand deep in
  * a body that is elsewhere. */
 static void tell_change(ss_bridge *bridge)
@@ -501,6 +520,7 @@ bool ss_bridge_run(ss_bridge *bridge, softsim_client *client)
             return false;
         }
         const int64_t now_ns = softsim_client_now_ns();
+        note_held(bridge, tick_ns, now_ns);
         take_arrived(bridge, now_ns);
         const ss_speakers heard = read_speakers(bridge, client);
         ss_bridge_watch_servers(bridge, &heard, now_ns);

@@ -14,7 +14,8 @@
  * Forces that stay away for a quarter of a second have stopped, and stderr says so; the device's
  * have long faded by then (correct.h). A server that is started again, or another in its place, is
  * taken up, its force as it ramps it in; stderr says so, and the run is not of one body. One whose
- * forces were away for a second is not all felt.
+ * forces were away for a second, or during which this program was held up as long (suspended), is
+ * not all felt.
  * A server that is at fault or paused is waited for; stderr says so once when it begins, and the
  * run is not all felt (halt.h).
  * The force is withheld until who answers has been alone for 40 ms, and while two servers answer
@@ -62,7 +63,8 @@ typedef struct ss_bridge_summary {
     double other_s;     /* from the first of them to the first force after */
     bool was_inside;    /* the first forces were faded in: the hand began inside the tissue */
     bool has_stopped;   /* forces came, and were away at the end */
-    bool has_gap;       /* they were away for a second or longer, and came again */
+    bool has_gap;       /* they were away for a second or longer, and came again; or, in */
+    double held_s;      /* seconds, the first time that this program did not run so long; else 0 */
     bool has_withheld;  /* two servers were heard, or another kept a contact from the hand */
     ss_halt halt;       /* forces of a server that is at fault or paused */
     int64_t changed_ns; /* another server answers in the first one's place since; 0: none does */
@@ -97,7 +99,8 @@ typedef struct ss_bridge {
     double depth, indented;          /* of the newest force, for the CSV */
     int64_t start_ns, last_force_ns; /* the last: 0 before the first force */
     int64_t other_since_ns;          /* 0: no other sender holds the probe */
-    bool is_change_told, is_fault_told, is_pause_told, is_withheld_told;
+    bool is_change_told, is_fault_told, is_pause_told, is_withheld_told, is_held_told;
+    int64_t held_ns;  /* when the program was held up; 0: was not */
     int64_t fault_ns; /* the model is at fault, or late, since; 0: was never */
     ss_withholding withholding;
     double most_n; /* that the first server's scene lets any force have; 0: not told yet */
