@@ -262,6 +262,27 @@ static void tell_result(const char *program, const options *o, const ss_replay *
     }
 }
 
+/* Of a probe whose answers stopped before the log's end, or never came; whether there was one. */
+static bool tell_unanswered(const char *program, const ss_replay *replay)
+{
+    const int32_t cut = ss_replay_ended_unanswered(replay);
+    if (cut >= 0) {
+        const ss_replay_asked *asked = &replay->asked[cut];
+        fprintf(stderr,
+                "%s: answers stopped at pose %" PRId32 " of probe %" PRId32
+                " (%.3f s of %.3f s): has softsimd ended?\n",
+                program, asked->felt_seq, cut, 1e-6 * (double)asked->felt_us,
+                1e-6 * (double)asked->played_us);
+    }
+    const int32_t mute = ss_replay_never_answered(replay);
+    if (mute >= 0) {
+        fprintf(stderr,
+                "%s: no answer to any pose of probe %" PRId32 ": has the scene a tool for it?\n",
+                program, mute);
+    }
+    return cut >= 0 || mute >= 0;
+}
+
 /* Says on stderr what makes the answers others than those of one server to the whole log; whether
  * there was such a thing. */
 static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_result result)
@@ -306,16 +327,10 @@ static bool tell_doubt(const char *program, const ss_replay *replay, ss_replay_r
             " ticks meanwhile: the forces are not the log's alone; play it again without them\n",
             program, replay->statistics.other_ticks);
     }
-    const bool is_cut = result == SS_REPLAY_DONE && ss_replay_ended_unanswered(replay);
-    if (is_cut) {
-        fprintf(stderr,
-                "%s: answers stopped at pose %" PRId32 " (%.3f s of %.3f s): has softsimd ended?\n",
-                program, replay->felt_seq, 1e-6 * (double)replay->felt_us,
-                1e-6 * (double)replay->played_us);
-    }
+    const bool is_unanswered = result == SS_REPLAY_DONE && tell_unanswered(program, replay);
     return replay->changed_seq > 0 || replay->refused_seq > 0 || replay->gap_seq > 0 ||
            replay->held_seq > 0 || replay->statistics.other_ticks > 0 || replay->is_uncounted ||
-           is_cut || ss_halt_is_seen(&replay->halt);
+           is_unanswered || ss_halt_is_seen(&replay->halt);
 }
 
 /* Plays, reports, closes. */

@@ -105,12 +105,13 @@ static const double *sent_position(const ss_replay *replay, int32_t seq)
     return is_remembered(replay, seq) ? replay->sent_position[seq % SS_REPLAY_SENT] : unknown;
 }
 
-/* The newest pose that a force of this sender answers, and where in the log it is. */
-static void note_felt(ss_replay *replay, int32_t seq)
+/* The newest pose of its probe that a force of this sender answers, and where in the log it is. */
+static void note_felt(ss_replay *replay, const softsim_force *force)
 {
-    replay->felt_seq = seq;
-    if (is_remembered(replay, seq)) {
-        replay->felt_us = replay->sent_us[seq % SS_REPLAY_SENT];
+    ss_replay_asked *asked = &replay->asked[force->probe];
+    asked->felt_seq = force->pose_seq;
+    if (is_remembered(replay, force->pose_seq)) {
+        asked->felt_us = replay->sent_us[force->pose_seq % SS_REPLAY_SENT];
     }
 }
 
@@ -123,18 +124,21 @@ static void note_refused(ss_replay *replay, const softsim_force *force)
     }
 }
 
-/* An answer is here: was there none for long, by the clock and by the log? The clock alone counts
- * a pause of the log, the log alone what a program that was held back sends at once. */
-static void note_gap(ss_replay *replay)
+/* An answer is here: was there none for its probe for long, by the clock and by the log? The clock
+ * alone counts a pause of the log, the log alone what a program that was held back sends at once.
+ */
+static void note_answer(ss_replay *replay, int32_t probe)
 {
-    const double waited_s = 1e-9 * (double)replay->silent_ns;
-    const double sent_s = 1e-6 * (double)(replay->played_us - replay->asked_us) / replay->speed;
-    if (replay->is_asking && !replay->is_lockstep && replay->gap_seq == 0 &&
+    ss_replay_asked *asked = &replay->asked[probe];
+    const double waited_s = 1e-9 * (double)asked->silent_ns;
+    const double sent_s = 1e-6 * (double)(asked->played_us - asked->us) / replay->speed;
+    if (asked->is_asking && !replay->is_lockstep && replay->gap_seq == 0 &&
         fmin(waited_s, sent_s) >= long_s) {
-        replay->gap_seq = replay->asked_seq;
-        replay->gap_us = replay->asked_us;
+        replay->gap_seq = asked->seq;
+        replay->gap_us = asked->us;
         replay->gap_s = waited_s;
     }
+    asked->is_asking = replay->is_asking = false;
 }
 
 void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns)
@@ -148,8 +152,7 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     if (ss_claim_take_answer(&replay->claim, force) || replay->is_over) {
         return;
     }
-    note_gap(replay);
-    replay->is_asking = false;
+    note_answer(replay, force->probe);
     if (replay->changed_seq == 0 && softsim_client_server_changes(replay->client) > 0) {
         replay->changed_seq = force->pose_seq;
     }
@@ -177,8 +180,8 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     ss_ticks_take_force(&replay->ticks, force);
     if ((force->flags & SOFTSIM_FORCE_OTHER_SENDER) != 0) {
         note_refused(replay, force);
-    } else if (is_first && force->pose_seq > replay->felt_seq) {
-        note_felt(replay, force->pose_seq);
+    } else if (is_first) {
+        note_felt(replay, force);
     }
     statistics->peak_force_n = fmax(statistics->peak_force_n, ss_norm3(force->force));
     if (replay->csv.file != NULL && replay->csv.reason == 0) {
@@ -201,6 +204,24 @@ void ss_replay_take_status(void *context, const softsim_server_status *status, i
 
 /* ---- sending ---- */
 
+/* A pose of the log's time `log_us` is sent. */
+static void note_asked(ss_replay *replay, int32_t channel, int64_t log_us)
+{
+    ss_replay_asked *asked = &replay->asked[channel];
+    asked->played_us = log_us;
+    if (!asked->is_asking) {
+        asked->is_asking = true;
+        asked->seq = replay->seq;
+        asked->us = log_us;
+        asked->silent_ns = 0;
+    }
+    if (!replay->is_asking) {
+        replay->is_asking = true;
+        replay->silent_ns = 0;
+        replay->looked_ns = softsim_client_now_ns();
+    }
+}
+
 /* Gives the pose its number and time and sends it; `log_us` is its time in the log. */
 static void send_pose(ss_replay *replay, softsim_pose_event *event, int64_t log_us)
 {
@@ -208,15 +229,9 @@ static void send_pose(ss_replay *replay, softsim_pose_event *event, int64_t log_
     softsim_poses_restamp(&event->pose, softsim_client_sender(replay->client), ++replay->seq);
     replay->sent_seq[channel] = replay->seq;
     event->pose.utime_us = softsim_client_now_us();
-    replay->played_us = replay->sent_us[replay->seq % SS_REPLAY_SENT] = log_us;
+    replay->sent_us[replay->seq % SS_REPLAY_SENT] = log_us;
     ss_copy3(replay->sent_position[replay->seq % SS_REPLAY_SENT], event->pose.position);
-    if (!replay->is_asking) {
-        replay->is_asking = true;
-        replay->asked_seq = replay->seq;
-        replay->asked_us = log_us;
-        replay->silent_ns = 0;
-        replay->looked_ns = softsim_client_now_ns();
-    }
+    note_asked(replay, channel, log_us);
     softsim_client_send_pose(replay->client, &event->pose, channel);
     ++replay->statistics.poses;
     if (replay->record != NULL) {
@@ -229,9 +244,11 @@ static void send_pose(ss_replay *replay, softsim_pose_event *event, int64_t log_
 static bool is_silent(ss_replay *replay, int64_t now_ns)
 {
     const int64_t since_ns = now_ns - replay->looked_ns;
+    const int64_t waited_ns = since_ns < look_ns ? since_ns : look_ns;
     replay->looked_ns = now_ns;
-    if (replay->is_asking) {
-        replay->silent_ns += since_ns < look_ns ? since_ns : look_ns;
+    replay->silent_ns += waited_ns;
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        replay->asked[p].silent_ns += waited_ns;
     }
     return replay->is_asking && replay->silent_ns > silence_ns;
 }
@@ -282,10 +299,42 @@ static ss_replay_result play_locked(ss_replay *replay, softsim_pose_event *event
     }
 }
 
-bool ss_replay_ended_unanswered(const ss_replay *replay)
+static bool has_ended_unanswered(const ss_replay_asked *asked)
 {
-    return replay->is_asking && replay->felt_seq > 0 &&
-           replay->played_us - replay->felt_us > recent_us;
+    return asked->is_asking && asked->felt_seq > 0 && asked->played_us - asked->felt_us > recent_us;
+}
+
+int32_t ss_replay_ended_unanswered(const ss_replay *replay)
+{
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (has_ended_unanswered(&replay->asked[p])) {
+            return p;
+        }
+    }
+    return -1;
+}
+
+int32_t ss_replay_never_answered(const ss_replay *replay)
+{
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        if (replay->statistics.answered > 0 && replay->sent_seq[p] > 0 &&
+            replay->answered_seq[p] == 0) {
+            return p;
+        }
+    }
+    return -1;
+}
+
+/* Is there a probe whose answers may still come, though late? */
+static bool may_be_late(const ss_replay *replay)
+{
+    for (int32_t p = 0; p < SOFTSIM_MAX_PROBES; ++p) {
+        const ss_replay_asked *asked = &replay->asked[p];
+        if (has_ended_unanswered(asked) && asked->silent_ns <= silence_ns) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /* Waits until the last pose of every channel is answered, for a while; for a server that has
@@ -297,7 +346,7 @@ static ss_replay_result drain(ss_replay *replay)
     for (int32_t p = 0; p < SOFTSIM_MAX_PROBES && result == SS_REPLAY_DONE; ++p) {
         result = wait_until(replay, deadline_ns, p);
     }
-    while (result == SS_REPLAY_DONE && ss_replay_ended_unanswered(replay)) {
+    while (result == SS_REPLAY_DONE && may_be_late(replay)) {
         result = wait_until(replay, softsim_client_now_ns() + look_ns, -1);
     }
     return result == SS_REPLAY_SILENT ? SS_REPLAY_DONE : result; /* all is played */

@@ -16,8 +16,9 @@
  * What else makes the forces others than those of the log is noted, and played on: poses refused
  * since another sender holds the probe, which a paced replay waits for before it begins (claim.h);
  * a second of a paced one without an answer, or in which this program did not run (it was
- * suspended) and after which it sends at once what is late; in lockstep, ticks that others' poses
- * made (ticks.h); forces of a server that is at fault or paused (halt.h).
+ * suspended) and after which it sends at once what is late; a probe of which no pose was answered,
+ * or none at its end; in lockstep, ticks that others' poses made (ticks.h); forces of a server that
+ * is at fault or paused (halt.h).
  *
  * Thread: main.
  */
@@ -48,6 +49,17 @@ typedef struct ss_replay_statistics {
     uint32_t latency[SS_REPLAY_BUCKETS];
 } ss_replay_statistics;
 
+/* What is asked of one probe, and answered. */
+typedef struct ss_replay_asked {
+    bool is_asking;    /* a pose was sent since its last answer, */
+    int32_t seq;       /* the first of those, */
+    int64_t us;        /* and its time in the log */
+    int64_t silent_ns; /* waited since then */
+    int64_t played_us; /* time in the log of the last pose sent */
+    int32_t felt_seq;  /* the newest that this sender's force answers; 0: none */
+    int64_t felt_us;   /* its time in the log */
+} ss_replay_asked;
+
 typedef struct ss_replay {
     /* parameters */
     softsim_poses *poses;
@@ -63,9 +75,7 @@ typedef struct ss_replay {
     ss_indentation indentation[SOFTSIM_MAX_PROBES];
     double sent_position[SS_REPLAY_SENT][3]; /* by seq; of older ones the answers are late */
     int64_t sent_us[SS_REPLAY_SENT];         /* their times in the log */
-    int64_t played_us;                       /* that of the last pose sent */
-    int32_t felt_seq;                        /* the newest that this sender's force answers */
-    int64_t felt_us;                         /* its time in the log */
+    ss_replay_asked asked[SOFTSIM_MAX_PROBES];
     ss_claim claim;
     ss_ticks ticks;
     bool is_uncounted; /* whose ticks they were is not known: the server's count was not heard */
@@ -83,9 +93,7 @@ typedef struct ss_replay {
     int32_t seq;         /* of the last pose sent */
     int32_t answered_seq[SOFTSIM_MAX_PROBES]; /* the newest answered, by channel */
     int32_t sent_seq[SOFTSIM_MAX_PROBES];     /* the last sent, by channel */
-    bool is_asking;                           /* a pose was sent since the last answer */
-    int32_t asked_seq;                        /* the first of those, */
-    int64_t asked_us;                         /* and its time in the log */
+    bool is_asking;               /* a pose was sent since the last answer, of whichever probe */
     int64_t silent_ns, looked_ns; /* waited for one since then; last look at the clock */
     bool has_heard_two;           /* servers; the first one's answers are kept */
     ss_replay_statistics statistics;
@@ -105,9 +113,11 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
 void ss_replay_take_status(void *context, const softsim_server_status *status, int64_t receive_ns);
 /* Plays; the parameters and `client` are set, the rest is zero. */
 ss_replay_result ss_replay_run(ss_replay *replay);
-/* Did the answers end over half a second of the log before it did, and not for lateness? For who
- * was answered at all. */
-bool ss_replay_ended_unanswered(const ss_replay *replay);
+/* A probe whose answers ended over half a second of the log before its poses did, and not for
+ * lateness; that was answered at all. -1: none. */
+int32_t ss_replay_ended_unanswered(const ss_replay *replay);
+/* A probe of which no pose was answered, though others' were; -1: none. */
+int32_t ss_replay_never_answered(const ss_replay *replay);
 /* `quantile` in 0..1, microseconds; 0 without answers. */
 int64_t ss_replay_latency(const ss_replay_statistics *statistics, double quantile);
 /* The header line of the CSV, with its \n; and what each column is, for --help. */

@@ -44,6 +44,7 @@ typedef struct server {
     int lose_answer_every; /* 0: never; only the first answer to a pose is lost */
     bool sends_rubbish;
     bool is_mute;
+    int mute_probe, mute_probe_from; /* its poses are not answered from number .. on; 0: none */
     int mute_from, mute_until; /* fresh poses that are not answered: number from .. until - 1 */
     int other_until;           /* earlier ones are answered as those of another sender */
     int other_from;            /* and from this one on; 0: never */
@@ -177,6 +178,12 @@ static inline void publish_scene(lcm_t *lcm)
     lcm_publish(lcm, "SOFTSIM_SCENE", data, (unsigned)size);
 }
 
+static inline bool is_mute_to(const server *s, int32_t probe)
+{
+    return s->is_mute ||
+           (s->mute_probe > 0 && probe == s->mute_probe && s->fresh >= s->mute_probe_from);
+}
+
 /* A replay's before its log begins: a pose with the number 0. */
 static inline void answer_question(server *s, const softsim_pose *pose, int32_t probe)
 {
@@ -187,7 +194,7 @@ static inline void answer_question(server *s, const softsim_pose *pose, int32_t 
         .flags = ++s->questions <= s->held_questions ? SOFTSIM_FORCE_OTHER_SENDER : 0};
     char answer[64];
     snprintf(answer, sizeof answer, "SOFTSIM_FORCE_%d", probe);
-    if (!s->is_mute) {
+    if (!is_mute_to(s, probe)) {
         publish_force(s, answer, &force);
     }
 }
@@ -262,7 +269,8 @@ static inline void on_pose(const lcm_recv_buf_t *buffer, const char *channel, vo
     }
     const bool is_lost =
         is_fresh && s->lose_answer_every > 0 && s->fresh % s->lose_answer_every == 0;
-    const bool is_mute = s->is_mute || (s->fresh >= s->mute_from && s->fresh < s->mute_until);
+    const bool is_mute =
+        is_mute_to(s, probe) || (s->fresh >= s->mute_from && s->fresh < s->mute_until);
     if (!is_mute && !is_lost) {
         publish_force(s, answer, &force);
     } else {

@@ -489,6 +489,25 @@ SERVED_TEST(answers_that_are_away_for_long_are_told)
     assert_true(read_csv(in_folder("a.csv.part")) > 0);
 }
 
+/* Those of the other are; what stops in the middle is told by the probe that it was of. */
+SERVED_TEST(a_probe_without_any_answer_is_told)
+{
+    make_log(in_folder("a.lcmlog"), 300, 2);
+    stand_in.mute_probe = 1;
+    expect_doubt("no answer to any pose of probe 1: has the scene a tool for it?", NULL);
+    assert_non_null(strstr(child.out, "600 sent, "));
+}
+
+SERVED_TEST(a_probe_whose_answers_stop_is_told)
+{
+    make_log(in_folder("a.lcmlog"), 1500, 2);
+    stand_in.mute_probe = 1;
+    stand_in.mute_probe_from = 1000;
+    expect_doubt("answers stopped at pose ", NULL);
+    assert_non_null(strstr(child.err, " of probe 1 ("));
+    assert_non_null(strstr(child.out, "3000 sent, "));
+}
+
 /* Stopped with two seconds of the log left at least, and for longer than one. Where it had less
  * left, since the machine held this test back, it is played again. */
 SERVED_TEST(a_replay_that_was_held_up_is_told)
