@@ -30,7 +30,7 @@ typedef struct options {
 typedef struct survey {
     int64_t poses, notes, duration_us;
     int32_t probe_count;
-    bool is_damaged;
+    bool is_damaged, is_mixed;
 } survey;
 
 static const char usage[] = "[options] LOG|CSV   or   --convert [options] CSV OUT.lcmlog";
@@ -113,6 +113,7 @@ static survey look_through(const char *program, const char *path, softsim_poses 
                        found.notes - MAX_NOTES);
     }
     found.is_damaged = softsim_poses_is_damaged(poses);
+    found.is_mixed = softsim_poses_is_mixed(poses);
     found.probe_count = __builtin_popcount(probes);
     return found;
 }
@@ -122,10 +123,19 @@ static void tell_kept_log(const char *program, const softsim_log_writer *writer)
     ss_output_tell_kept(softsim_log_kept(writer), softsim_log_path(writer), program);
 }
 
-static void tell_damage(const char *program, const options *o)
+/* What keeps a log from being one hand's, whole; whether there is such a thing. */
+static bool tell_damage(const char *program, const options *o, const survey *found)
 {
-    ss_plain_print(stderr, "%s: %s: records are missing; what is left was %s\n", program, o->input,
-                   o->is_convert ? "converted" : "played");
+    const char *done = o->is_convert ? "converted" : "played";
+    if (found->is_damaged) {
+        ss_plain_print(stderr, "%s: %s: records are missing; what is left was %s\n", program,
+                       o->input, done);
+    }
+    if (found->is_mixed) {
+        ss_plain_print(stderr, "%s: %s: poses of two senders are mixed; all of them were %s\n",
+                       program, o->input, done);
+    }
+    return found->is_damaged || found->is_mixed;
 }
 
 /* Writes the poses as a log: times from 0, sender 1, so that equal input gives equal bytes. */
@@ -154,10 +164,8 @@ static int convert(const char *program, const options *o, softsim_poses *poses, 
             softsim_log_write_pose(writer, event.time_us, channel, &event.pose);
         }
     }
-    if (found->is_damaged) {
-        tell_damage(program, o);
-    }
-    if (ss_process_is_stopped() || found->is_damaged) {
+    const bool is_whole = !tell_damage(program, o, found);
+    if (ss_process_is_stopped() || !is_whole) {
         softsim_log_keep(&writer, &error);
     } else {
         softsim_log_finish(&writer, &error);
@@ -370,11 +378,9 @@ static int play(const char *program, const options *o, softsim_poses *poses, con
     const bool is_one =
         !ss_process_tell_two(program, "the first one's answers are kept", replay.has_heard_two);
     const bool is_doubtful = tell_doubt(program, &replay, result);
-    if (found->is_damaged) {
-        tell_damage(program, o);
-    }
+    const bool is_whole = !tell_damage(program, o, found);
     const bool is_good =
-        result == SS_REPLAY_DONE && is_answered && is_one && !is_doubtful && !found->is_damaged;
+        result == SS_REPLAY_DONE && is_answered && is_one && !is_doubtful && is_whole;
     const bool is_written = finish_files(program, &replay, is_good);
     report(&replay, found);
     softsim_client_close(&replay.client);

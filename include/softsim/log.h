@@ -155,7 +155,10 @@ typedef struct softsim_pose_event {
 typedef struct softsim_poses softsim_poses;
 
 /* Opens an event log or a pose CSV, told apart by content. A CSV is sampled on the times
- * k / rate_hz that it covers, probes in order at each. */
+ * k / rate_hz that it covers, probes in order at each.
+ * A log may hold what other senders said on the same probe. Poses that its forces show to be
+ * refused (those that answer their sender there have SOFTSIM_FORCE_OTHER_SENDER) and poses numbered
+ * 0, which ask for a probe, are left out; a note at the end counts them. */
 softsim_status softsim_poses_open(const char *path, double rate_hz, softsim_poses **out_poses,
                                   softsim_error *error);
 /* Accepts NULL; nulls. */
@@ -165,6 +168,11 @@ void softsim_poses_rewind(softsim_poses *poses);
 /* Was anything skipped so far but a last record that is cut, as a kill of who recorded it leaves
  * it? Records are missing then; jumps of the log's clock and other senders' messages are none. */
 bool softsim_poses_is_damaged(const softsim_poses *poses);
+/* Has a log poses of two senders on one probe within half a second of each other, and no forces
+ * that tell whose were taken? They are all there then: of two hands. Known from the start; a note
+ * at the end says where. One sender after the other, as of a device that was started again, is
+ * none. */
+bool softsim_poses_is_mixed(const softsim_poses *poses);
 /* `note` is filled for SOFTSIM_POSES_NOTE, one line without \n. */
 softsim_poses_result softsim_poses_next(softsim_poses *poses, softsim_pose_event *out_event,
                                         char *note, size_t note_size);

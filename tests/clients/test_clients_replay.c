@@ -244,6 +244,31 @@ SERVED_TEST(a_pose_of_another_type_is_damage)
     assert_non_null(strstr(child.err, "is no probe_pose_t"));
 }
 
+/* Nothing tells whose were taken: played, and converted, but not complete. */
+SERVED_TEST(poses_of_two_senders_are_played_and_named)
+{
+    const char *log = in_folder("a.lcmlog"), *out = in_folder("b.lcmlog");
+    const char *csv = in_folder("a.csv");
+    const char *const argv[] = {"softsim-replay", log, "--lockstep", "--csv", csv, NULL};
+    const char *const convert[] = {"softsim-replay", "--convert", log, out, NULL};
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log_writer *writer = NULL;
+    assert_int_equal(softsim_log_create(log, &writer, &error), SOFTSIM_OK);
+    for (int i = 0; i < 20; ++i) {
+        const softsim_pose pose = {.sender = 1 + i % 2, .seq = 1 + i / 2, .orientation = {1.0}};
+        softsim_log_write_pose(writer, 1000 * i, "SOFTSIM_PROBE_0", &pose);
+    }
+    assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+    run_served(argv, 1);
+    assert_non_null(strstr(child.err, "poses of two senders on probe 0 at byte "));
+    assert_non_null(strstr(child.err, "poses of two senders are mixed; all of them were played"));
+    assert_int_equal(access(csv, F_OK), -1);
+    assert_int_equal(read_csv(in_folder("a.csv.part")), 20);
+    assert_int_equal(process_run(&child, convert), 1);
+    assert_non_null(strstr(child.err, "are mixed; all of them were converted"));
+    assert_int_equal(access(out, F_OK), -1);
+}
+
 /* As a recorder that was killed leaves it, cut anywhere: said, and complete. */
 SERVED_TEST(a_log_that_lacks_its_end_is_complete)
 {

@@ -17,6 +17,7 @@
 #include "common/kidney.h"
 #include "common/pose_fixture.h"
 #include "process.h"
+#include "softsim/log.h"
 #include "softsim/types.h"
 #include "softsim_command_t.h"
 #include "softsim_contact_force_t.h"
@@ -83,6 +84,63 @@ TEST_WITH(duration_ends_on_its_tick, NULL, tear_down)
         assert_int_equal(strlen(got), 16);
         assert_string_equal(got, wanted);
     }
+}
+
+/* The log POKE as of a session in which another sender was refused, ten times a second told so. */
+static void write_session(const char *path)
+{
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_poses *poke = NULL;
+    softsim_log_writer *writer = NULL;
+    softsim_pose_event event;
+    char note[256];
+    int count = 0;
+    assert_int_equal(softsim_poses_open(POKE, 1000.0, &poke, &error), SOFTSIM_OK);
+    assert_int_equal(softsim_log_create(path, &writer, &error), SOFTSIM_OK);
+    while (softsim_poses_next(poke, &event, note, sizeof note) == SOFTSIM_POSES_POSE) {
+        const softsim_force taken = {.sender = event.pose.sender, .pose_seq = event.pose.seq};
+        const softsim_force refused = {
+            .sender = 77, .pose_seq = ++count, .flags = SOFTSIM_FORCE_OTHER_SENDER};
+        softsim_pose other = event.pose;
+        softsim_poses_restamp(&other, 77, count);
+        other.position[0] += 0.01;
+        softsim_log_write_pose(writer, event.time_us, "SOFTSIM_PROBE_0", &event.pose);
+        softsim_log_write_force(writer, event.time_us, "SOFTSIM_FORCE_0", &taken);
+        softsim_log_write_pose(writer, event.time_us, "SOFTSIM_PROBE_0", &other);
+        if (count % 100 == 1) {
+            softsim_log_write_force(writer, event.time_us, "SOFTSIM_FORCE_0", &refused);
+        }
+    }
+    softsim_poses_close(&poke);
+    assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+}
+
+/* Both play what the server took then, as if the other had not been there. */
+TEST_WITH(poses_that_were_refused_are_left_out_of_a_log, NULL, tear_down)
+{
+    const char *const duration = FULL_IN_RELEASE("1.2", "0.101"); /* pressed at 0.85 */
+    char session[] = "/tmp/softsim_session_XXXXXX";
+    const int file = mkstemp(session);
+    assert_true(file >= 0);
+    close(file);
+    write_session(session);
+    char wanted[32], got[2][32];
+    for (int i = 0; i < 2; ++i) {
+        const char *const run[] = {"softsim-run", KIDNEY,       "--set",  kidney_mesh(), "--poses",
+                                   session,       "--duration", duration, "--hash",      NULL};
+        const char *plain[10];
+        memcpy(plain, run, sizeof run);
+        plain[5] = POKE;
+        assert_int_equal(process_run(&client, i == 0 ? plain : run), 0);
+        last_word(client.out, i == 0 ? wanted : got[0]);
+    }
+    const char *const argv[] = {"softsimd",   KIDNEY,   "--set",  kidney_mesh(), "--lockstep",
+                                "--duration", duration, "--hash", NULL};
+    serve_log(argv, session);
+    unlink(session);
+    last_word(server.out, got[1]);
+    assert_string_equal(got[0], wanted);
+    assert_string_equal(got[1], wanted);
 }
 
 /* The greatest force of a CSV of softsim-run, N. */

@@ -381,6 +381,27 @@ TEST(a_log_without_poses_is_refused)
                              "..._PROBE_<n>\n");
 }
 
+/* Nothing tells whose were taken. */
+TEST(a_log_of_two_senders_is_not_complete)
+{
+    char out[4096];
+    softsim_error error = {.status = SOFTSIM_OK};
+    softsim_log_writer *writer = NULL;
+    write_inputs();
+    assert_int_equal(softsim_log_create(in_folder("two.lcmlog"), &writer, &error), SOFTSIM_OK);
+    for (int i = 0; i < 20; ++i) {
+        const softsim_pose pose = {.sender = 1 + i % 2, .seq = 1 + i / 2, .orientation = {1.0}};
+        softsim_log_write_pose(writer, 1000 * i, "SOFTSIM_PROBE_0", &pose);
+    }
+    assert_int_equal(softsim_log_finish(&writer, &error), SOFTSIM_OK);
+    assert_int_equal(
+        run(BIN_DIR "/softsim-run --poses two.lcmlog --csv hands.csv scene.yaml", out, sizeof out),
+        1);
+    assert_non_null(strstr(out, "two.lcmlog: poses of two senders are mixed; all of them were"));
+    assert_int_equal(access(in_folder("hands.csv"), F_OK), -1);
+    assert_int_equal(access(in_folder("hands.csv.part"), F_OK), 0);
+}
+
 /* Not endless, and not the default. */
 TEST(a_duration_of_nothing_is_refused)
 {

@@ -101,7 +101,7 @@ static ss_args_result parse(int argc, char **argv, run_options *out, softsim_err
     const ss_arg rows[] = {
         SS_TEXT("--poses", &o.poses, "LOG|CSV",
                 "probe poses: an event log, or time_s,probe,x,y,z,qw,qx,qy,qz,buttons; of a\n"
-                "damaged log what is left, exit 1"),
+                "damaged log what is left, exit 1; what its server refused is left out"),
         {"--dt", SS_ARG_NUMBER, &o.step_s, 1e-7, 1.0, "S",
          "outer step and tick (default: the scene's haptic period); not with an event log"},
         {"--duration", SS_ARG_NUMBER, &o.duration_s, 1e-6, 1e9, "S",
@@ -161,15 +161,14 @@ static bool is_event_log(const char *path)
 static softsim_status find_poses(run *r, softsim_error *error)
 {
     softsim_pose_event event;
-    char note[256]; /* said when it is played */
+    char note[256] = ""; /* said when it is played */
     softsim_poses_result next;
     do {
         next = softsim_poses_next(r->log, &event, note, sizeof note);
     } while (next == SOFTSIM_POSES_NOTE);
     if (next == SOFTSIM_POSES_END) {
-        softsim_error_add(error, SOFTSIM_ERROR_FORMAT,
-                          "%s: no probe poses: no record on a channel ..._PROBE_<n>",
-                          r->options.poses);
+        softsim_error_add(error, SOFTSIM_ERROR_FORMAT, "%s: no probe poses: %s", r->options.poses,
+                          note[0] != '\0' ? note : "no record on a channel ..._PROBE_<n>");
         return SOFTSIM_ERROR_FORMAT;
     }
     softsim_poses_rewind(r->log);
@@ -563,10 +562,10 @@ static softsim_status execute(run *r, softsim_error *error)
     return status;
 }
 
-/* Were records skipped, other than a last one that is cut? */
+/* Were records skipped, other than a last one that is cut, or are they of two hands? */
 static bool is_damaged(const run *r)
 {
-    return r->log && softsim_poses_is_damaged(r->log);
+    return r->log && (softsim_poses_is_damaged(r->log) || softsim_poses_is_mixed(r->log));
 }
 
 /* What was recorded is complete, or kept and named where the run was cut short. */
@@ -575,8 +574,10 @@ static softsim_status finish(run *r, softsim_status status, softsim_error *error
     ss_output *const recorded[] = {&r->csv, &r->reactions};
     if (status == SOFTSIM_OK && is_damaged(r)) {
         status = SOFTSIM_ERROR_FORMAT;
-        softsim_error_add(error, status, "%s: records are missing; what is left was played",
-                          r->options.poses);
+        softsim_error_add(error, status, "%s: %s", r->options.poses,
+                          softsim_poses_is_damaged(r->log)
+                              ? "records are missing; what is left was played"
+                              : "poses of two senders are mixed; all of them were played");
     }
     const bool is_complete = status == SOFTSIM_OK && is_written(r);
     for (int i = 0; i < 2; ++i) {
