@@ -124,9 +124,9 @@ static void note_refused(ss_replay *replay, const softsim_force *force)
     }
 }
 
-/* An answer is here: was there none for its probe for long, by the clock and by the log? The clock
- * alone counts a pause of the log, the log alone what a program that was held back sends at once.
- */
+/* A pose is answered: was none of its probe for long, by the clock and by the log? The clock alone
+ * counts a pause of the log, the log alone what a program that was held back sends at once. Forces
+ * that answer older poses again come also while a server refuses what is sent. */
 static void note_answer(ss_replay *replay, int32_t probe)
 {
     ss_replay_asked *asked = &replay->asked[probe];
@@ -138,7 +138,7 @@ static void note_answer(ss_replay *replay, int32_t probe)
         replay->gap_us = asked->us;
         replay->gap_s = waited_s;
     }
-    asked->is_asking = replay->is_asking = false;
+    asked->is_asking = false;
 }
 
 void ss_replay_take_force(void *context, const softsim_force *force, int64_t receive_ns)
@@ -152,7 +152,10 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
     if (ss_claim_take_answer(&replay->claim, force) || replay->is_over) {
         return;
     }
-    note_answer(replay, force->probe);
+    replay->is_asking = false;
+    if (is_first) {
+        note_answer(replay, force->probe);
+    }
     if (replay->changed_seq == 0 && softsim_client_server_changes(replay->client) > 0) {
         replay->changed_seq = force->pose_seq;
     }

@@ -65,6 +65,29 @@ TEST_WITH(a_replay_waits_for_the_bridge_before, make_folder, tear_down)
     assert_int_equal(stop_daemon(), 0);
 }
 
+/* For two seconds, or from there on, the log goes where no server lets a tool: forces come all the
+ * while, and answer the last pose before. */
+TEST_WITH(a_part_of_a_log_that_is_refused_is_told, make_folder, tear_down)
+{
+    static const char *const said[] = {"no answer for ", "answers stopped at pose "};
+    const char *const csv = in_folder("a.csv"), *const log = in_folder("far.csv");
+    const char *const replay[] = {"softsim-replay", log, "--csv", csv, NULL};
+    start_daemon(tube(), NULL);
+    for (int i = 0; i < 2; ++i) {
+        FILE *file = open_file("far.csv");
+        fputs("time_s,probe,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,3,1,0,0,0,0\n"
+              "0.5,0,0,0,3,1,0,0,0,0\n0.501,0,0,0,300,1,0,0,0,0\n2.5,0,0,0,300,1,0,0,0,0\n",
+              file);
+        if (i == 0) {
+            fputs("2.501,0,0,0,3,1,0,0,0,0\n3,0,0,0,3,1,0,0,0,0\n", file);
+        }
+        fclose(file);
+        process_start(&client, replay, NULL);
+        expect_doubt(said[i], csv);
+    }
+    assert_int_equal(stop_daemon(), 0);
+}
+
 static void count_pose(const lcm_recv_buf_t *buffer, const char *channel, void *user)
 {
     (void)buffer, (void)channel;
