@@ -260,6 +260,7 @@ static bool may_be_another(const ss_bridge *bridge, const softsim_force *force, 
 static void forget_limits(ss_bridge *bridge)
 {
     bridge->corrector.limits = (ss_corrector_limits){0.0, usual_slew_n_per_s};
+    bridge->told_most_n = 0.0;
     bridge->wants_scene = true;
 }
 
@@ -292,9 +293,7 @@ void ss_bridge_take_scene(void *context, const softsim_scene_report *scene)
     const double slew = ss_parameter_of(scene, "haptic.max_slew_n_per_s");
     limits->force_n = ss_parameter_of(scene, "haptic.max_force_n");
     limits->slew_n_per_s = slew >= least_slew_n_per_s ? slew : usual_slew_n_per_s;
-    if (!(bridge->most_n > 0.0)) {
-        bridge->most_n = ss_parameter_most(scene, "haptic.max_force_n");
-    }
+    bridge->told_most_n = ss_parameter_most(scene, "haptic.max_force_n");
 }
 
 /* Another sender holds the probe: its zero force stops what was felt, but is no force of ours. */
@@ -382,6 +381,9 @@ void ss_bridge_watch_servers(ss_bridge *bridge, const ss_speakers *heard, int64_
     }
     ss_withholding_step(&bridge->withholding, heard, bridge->corrector.present > 0.0, now_ns,
                         bridge->device.period_s);
+    if (bridge->withholding.is_trusted && !(bridge->most_n > 0.0)) {
+        bridge->most_n = bridge->told_most_n;
+    }
     if (bridge->config.program != NULL) {
         ss_process_tell_two(bridge->config.program, "the force is let go", heard->are_two);
     }

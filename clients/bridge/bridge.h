@@ -103,7 +103,8 @@ typedef struct ss_bridge {
     int64_t held_ns;  /* when the program was held up; 0: was not */
     int64_t fault_ns; /* the model is at fault, or late, since; 0: was never */
     ss_withholding withholding;
-    double most_n; /* that the first server's scene lets any force have; 0: not told yet */
+    double told_most_n; /* that the scene heard last lets any force have; 0: not told yet */
+    double most_n;      /* the first trusted server's */
     ss_bus *poses_out, *forces_in; /* NULL without a server */
     ss_bridge_summary summary;
 } ss_bridge;

@@ -13,6 +13,7 @@ static const int64_t silence_ns = 5000000000; /* without an answer: failure */
 static const int64_t resend_ns = 100000000;   /* lockstep: the pose or its answer was lost */
 static const int64_t drain_ns = 500000000;    /* for the last answers */
 static const int64_t recent_us = 500000;      /* of the log: answered to its end */
+static const int64_t pause_us = 100000;       /* of the log: longer, and it pauses */
 static const double long_s = 1.0;             /* without an answer, while poses were sent */
 /* Between two looks at the clock: what is longer, the machine held this program back, and an answer
  * may lie unread; it is counted as so much. */
@@ -131,7 +132,7 @@ static void note_answer(ss_replay *replay, int32_t probe)
 {
     ss_replay_asked *asked = &replay->asked[probe];
     const double waited_s = 1e-9 * (double)asked->silent_ns;
-    const double sent_s = 1e-6 * (double)(asked->played_us - asked->us) / replay->speed;
+    const double sent_s = 1e-6 * (double)asked->sent_us / replay->speed;
     if (asked->is_asking && !replay->is_lockstep && replay->gap_seq == 0 &&
         fmin(waited_s, sent_s) >= long_s) {
         replay->gap_seq = asked->seq;
@@ -211,9 +212,12 @@ void ss_replay_take_status(void *context, const softsim_server_status *status, i
 static void note_asked(ss_replay *replay, int32_t channel, int64_t log_us)
 {
     ss_replay_asked *asked = &replay->asked[channel];
+    const int64_t since_us = log_us - asked->played_us;
+    asked->sent_us += since_us < pause_us ? since_us : pause_us;
     asked->played_us = log_us;
     if (!asked->is_asking) {
         asked->is_asking = true;
+        asked->sent_us = 0;
         asked->seq = replay->seq;
         asked->us = log_us;
         asked->silent_ns = 0;
@@ -304,7 +308,7 @@ static ss_replay_result play_locked(ss_replay *replay, softsim_pose_event *event
 
 static bool has_ended_unanswered(const ss_replay_asked *asked)
 {
-    return asked->is_asking && asked->felt_seq > 0 && asked->played_us - asked->felt_us > recent_us;
+    return asked->is_asking && asked->felt_seq > 0 && asked->sent_us > recent_us;
 }
 
 int32_t ss_replay_ended_unanswered(const ss_replay *replay)

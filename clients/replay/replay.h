@@ -55,6 +55,7 @@ typedef struct ss_replay_asked {
     int32_t seq;       /* the first of those, */
     int64_t us;        /* and its time in the log */
     int64_t silent_ns; /* waited since then */
+    int64_t sent_us;   /* time in the log since then in which poses were sent: no pause of it */
     int64_t played_us; /* time in the log of the last pose sent */
     int32_t felt_seq;  /* the newest that this sender's force answers; 0: none */
     int64_t felt_us;   /* its time in the log */

@@ -43,13 +43,13 @@ static bool is_new(const ss_ticks *ticks, int32_t wanted)
 
 bool ss_ticks_ask(ss_ticks *ticks, softsim_client *client)
 {
-    const int most = ticks->statuses > 0 ? MOST_OF_ONE_HEARD : MOST_QUESTIONS;
     bool is_connected = softsim_client_wait(client, softsim_client_now_ns()) >= 0;
     const int32_t wanted = ticks->statuses + 2;
     ticks->is_counted = false;
     ticks->is_real_time = false;
-    for (int question = 0; is_connected && question < most && !ticks->is_counted &&
-                           !ticks->is_real_time && !ss_process_is_stopped();
+    for (int question = 0; is_connected && !ticks->is_counted && !ticks->is_real_time &&
+                           question < (ticks->statuses > 0 ? MOST_OF_ONE_HEARD : MOST_QUESTIONS) &&
+                           !ss_process_is_stopped();
          ++question) {
         const int32_t heard = ticks->heard;
         const int64_t deadline_ns = softsim_client_now_ns() + ask_ns;

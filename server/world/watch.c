@@ -257,8 +257,17 @@ static void pass_high(ss_high_pass *pass, const double in[3], double period, dou
 /* The force of this tick, for later ones, and where the hand is. */
 static void note_untold(ss_untold *untold, const ss_hand_tick *now, const double place[3])
 {
-    const int64_t here = now->tick & (SS_UNTOLD_TICKS - 1);
+    const int64_t here = now->tick & (SS_UNTOLD_TICKS - 1), last = untold->noted;
+    const int64_t oldest = now->tick - SS_UNTOLD_TICKS + 1;
     double fast[3];
+    /* The force stood in the ticks that a late loop skipped. */
+    for (int64_t tick = last >= oldest ? last + 1 : oldest; tick < now->tick; ++tick) {
+        const int64_t at = tick & (SS_UNTOLD_TICKS - 1), before = last & (SS_UNTOLD_TICKS - 1);
+        ss_copy3(untold->force[at], untold->force[before]);
+        ss_copy3(untold->torque[at], untold->torque[before]);
+        ss_copy3(untold->fast[at], untold->fast[before]);
+    }
+    untold->noted = now->tick;
     ss_copy3(untold->force[here], now->sent->force);
     ss_copy3(untold->torque[here], now->sent->torque);
     pass_high(&untold->force_pass, now->sent->force, now->period, untold->fast[here]);
@@ -335,6 +344,10 @@ static void note_force(ss_silence *silence, const double force[3], const double 
 static void note_sent(ss_silence *silence, const ss_hand_tick *now)
 {
     const softsim_force *sent = now->sent;
+    /* Not where the server slept, and all poses are there when it wakes. */
+    silence->was_let_go =
+        !now->pose && (silence->was_let_go ||
+                       (silence->has_pose && now->tick - silence->pose_tick >= LET_GO_TICKS));
     if (now->pose) {
         silence->has_pose = true;
         silence->sender = now->pose->sender;
@@ -382,7 +395,7 @@ static ss_hand_verdict judge_silence(ss_silence *silence, const ss_hand_tick *no
     const double usual = fmin(silence->usual > 0.0 ? silence->usual : interval, LET_GO_TICKS);
     const double longest = fmin(usual * now->period, silence_time) + silence_time;
     silence->usual = usual + usual_share * (fmin(interval, LET_GO_TICKS) - usual);
-    if (ticks >= LET_GO_TICKS && silence->sent_n > contact_force) {
+    if (silence->was_let_go && silence->sent_n > contact_force) {
         silence->unseen_j = 0.0;
         return (ss_hand_verdict){
             SOFTSIM_VERDICT_GUARDED,

@@ -152,11 +152,13 @@ typedef struct ss_untold {
     ss_high_pass force_pass, place_pass;
     bool is_on;
     int64_t since, touched; /* tick of the first and of the last force */
+    int64_t noted;          /* the last tick in the ring */
 } ss_untold;
 
 /* A device whose poses may stop. Start from zero. */
 typedef struct ss_silence {
     bool has_pose;
+    bool was_let_go;                /* the watchdog has acted since the last pose */
     int64_t sender, pose_tick;      /* of the last pose, and its tick */
     double usual;                   /* ticks from pose to pose, smoothed */
     double contact_j;               /* as of the last pose */

@@ -129,9 +129,18 @@ TEST(no_other_server_raises_the_most_that_is_exerted)
     const ss_bridge_config config = {.tick_count = 100};
     ss_frame_init(&frame, "x,y,z", "0,0,0", 1.0, 1.0, &error);
     assert_int_equal(ss_bridge_init(&bridge, &config, &frame, &device, &error), SOFTSIM_OK);
+    const softsim_force first = {.seq = 1, .pose_seq = 1};
+    const softsim_scene_report stranger = {.parameter_count = 1,
+                                           .parameter = {"haptic.max_force_n=1 0 1e-9 N"}};
+    ss_speakers heard = {.has_force = true};
+    ss_bridge_take_scene(&bridge, &stranger); /* whose forces never come */
+    ss_bridge_take_force(&bridge, &first, 1000000);
     for (int i = 0; i < 2; ++i) {
         const softsim_scene_report scene = {.parameter_count = 1, .parameter = {told[i]}};
         ss_bridge_take_scene(&bridge, &scene);
+        for (int64_t ms = 1; ms < 100; ++ms) {
+            ss_bridge_watch_servers(&bridge, &heard, 1000000 * (100 * i + ms));
+        }
     }
     ss_bridge_run_linear(&bridge, 2000.0, 0);
     ss_bridge_fini(&bridge);

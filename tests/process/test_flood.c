@@ -181,7 +181,7 @@ static void stop_bridge(bool may_be_paused)
 {
     process_signal(&client, SIGINT);
     const int status = process_finish(&client);
-    const bool was_paused = may_be_paused && strstr(client.err, "the server is paused at ");
+    const bool was_paused = may_be_paused && strstr(client.err, "the server is paused ");
     if (status != was_paused) {
         fail_msg("softsim-bridge: %d: %s%s", client.status, client.out, client.err);
     }

@@ -294,7 +294,7 @@ TEST_WITH(a_paused_server_is_told_by_a_bridge, make_folder, tear_down)
     start_daemon(tube(), NULL);
     command("pause");
     process_start(&client, bridge, NULL);
-    expect_doubt("the server is paused at ", csv);
+    expect_doubt("the server is paused ", csv);
     assert_null(strstr(client.err, "touched nothing"));
     assert_non_null(strstr(client.out, "halt        the server is paused from pose "));
     assert_int_equal(stop_daemon(), 0);
