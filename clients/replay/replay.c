@@ -146,11 +146,14 @@ void ss_replay_take_force(void *context, const softsim_force *force, int64_t rec
 {
     ss_replay *replay = context;
     ss_replay_statistics *statistics = &replay->statistics;
-    const int64_t latency_us = receive_ns / 1000 - force->pose_utime_us;
+    /* A stranger may send any time in this client's name: it wraps. */
+    const int64_t latency_us =
+        (int64_t)((uint64_t)(receive_ns / 1000) - (uint64_t)force->pose_utime_us);
     int32_t *answered = &replay->answered_seq[force->probe];
     const bool is_first =
         force->pose_seq > *answered && force->pose_seq <= replay->sent_seq[force->probe];
-    if (ss_claim_take_answer(&replay->claim, force) || replay->is_over) {
+    if (ss_claim_take_answer(&replay->claim, force) || replay->is_over ||
+        replay->sent_seq[force->probe] == 0) { /* of a probe that is not in the log */
         return;
     }
     replay->is_asking = false;
