@@ -19,6 +19,9 @@
 #include "contact/contact.h"
 #include "softsim/types.h"
 
+/* The force goes after so many ticks without a good pose, at any rate, in lockstep too. */
+enum { SS_WATCHDOG_TICKS = 50 };
+
 typedef enum ss_between_steps {
     SS_BETWEEN_HOLD,
     SS_BETWEEN_LINEAR,

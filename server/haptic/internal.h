@@ -41,9 +41,8 @@ enum {
      * cut to the limit where it is above. */
     SS_LIMIT_TRIES = 24,
     /* Ticks at any rate, in lockstep too, where a tick is a pose. */
-    SS_WATCHDOG_TICKS = 50, /* without a good pose */
-    SS_RAMP_TICKS = 20,     /* to zero force */
-    SS_ENTRY_TICKS = 500,   /* the depth fades in */
+    SS_RAMP_TICKS = 20,   /* to zero force */
+    SS_ENTRY_TICKS = 500, /* the depth fades in */
 };
 
 /* ---- guards.c ---- */

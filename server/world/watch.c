@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "haptic/haptic.h"
 #include "rt/vec.h"
 
 static const double load_share = 0.1;                     /* of what loads did: their error */
@@ -27,7 +28,6 @@ static const double most_period = 0.01;                   /* s: the filter's */
 static const double silence_time = 0.02;                  /* s: beyond the usual */
 static const double usual_share = 0.02;                   /* of a new interval in the usual one */
 static const double contact_force = 0.02;                 /* N: less is no contact */
-enum { LET_GO_TICKS = 50 };                               /* the haptic loop's watchdog */
 
 /* ---- tissue ---- */
 
@@ -347,7 +347,7 @@ static void note_sent(ss_silence *silence, const ss_hand_tick *now)
     /* Not where the server slept, and all poses are there when it wakes. */
     silence->was_let_go =
         !now->pose && (silence->was_let_go ||
-                       (silence->has_pose && now->tick - silence->pose_tick >= LET_GO_TICKS));
+                       (silence->has_pose && now->tick - silence->pose_tick >= SS_WATCHDOG_TICKS));
     if (now->pose) {
         silence->has_pose = true;
         silence->sender = now->pose->sender;
@@ -392,9 +392,9 @@ static ss_hand_verdict judge_silence(ss_silence *silence, const ss_hand_tick *no
 {
     const double ticks = (double)(now->tick - silence->pose_tick);
     const double interval = ticks / (1.0 + fmax(0.0, now->superseded));
-    const double usual = fmin(silence->usual > 0.0 ? silence->usual : interval, LET_GO_TICKS);
+    const double usual = fmin(silence->usual > 0.0 ? silence->usual : interval, SS_WATCHDOG_TICKS);
     const double longest = fmin(usual * now->period, silence_time) + silence_time;
-    silence->usual = usual + usual_share * (fmin(interval, LET_GO_TICKS) - usual);
+    silence->usual = usual + usual_share * (fmin(interval, SS_WATCHDOG_TICKS) - usual);
     if (silence->was_let_go && silence->sent_n > contact_force) {
         silence->unseen_j = 0.0;
         return (ss_hand_verdict){
@@ -404,8 +404,8 @@ static ss_hand_verdict judge_silence(ss_silence *silence, const ss_hand_tick *no
             "way to the server holds them up"};
     }
     const double given = given_unseen(silence, now->pose, way, turn);
-    const bool is_unseen = ss_norm3(silence->strongest) > contact_force && ticks < LET_GO_TICKS &&
-                           interval * now->period >= longest;
+    const bool is_unseen = ss_norm3(silence->strongest) > contact_force &&
+                           ticks < SS_WATCHDOG_TICKS && interval * now->period >= longest;
     const double handed_out =
         is_unseen ? add_unseen(silence, now, given) : silence->unseen_j - now->contact_j;
     const bool is_known = !is_unseen && !(silence->unseen_j > 0.0);
